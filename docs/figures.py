@@ -24,6 +24,7 @@ from figures_shapes import FIGURES as SHAPE_FIGURES
 from figures_soft import FIGURES as SOFT_FIGURES
 from figures_sph import FIGURES as SPH_FIGURES
 from figures_surfaces import FIGURES as SURFACE_FIGURES
+from figures_surfactant import FIGURES as SURFACTANT_FIGURES
 from figures_tanks import FIGURES as TANK_FIGURES
 from figures_tracers import FIGURES as TRACER_FIGURES
 from figures_tutorials import FIGURES as TUTORIAL_FIGURES
@@ -283,6 +284,7 @@ FIGURES: dict[str, Callable[[], Figure]] = {
     **FLOW_FIGURES,
     **SPH_FIGURES,
     **SURFACE_FIGURES,
+    **SURFACTANT_FIGURES,
     **TANK_FIGURES,
     **INCOMPRESSIBLE_FIGURES,
     **TRACER_FIGURES,

@@ -80,6 +80,10 @@ def _active(scene: FloatingScene) -> str:
     return _whether(scene.activity is not None, "active forces")
 
 
+def _surfactant(scene: FloatingScene) -> str:
+    return _whether(scene.surfactant is not None, "a surfactant")
+
+
 def _waves(scene: FloatingScene) -> str:
     return _whether(scene.waves is not None, "waves")
 
@@ -142,6 +146,7 @@ FLOATS = (
     Expressible("hydrodynamics.interaction", lambda scene: scene.hydrodynamics.interaction, NONE,
                 "none", "the drag of each atom is its own"),
     Expressible("magnetic_field", _magnetic_field, NONE, "none", "the tables hold the capillary law alone"),
+    Expressible("surfactant", _surfactant, NONE, "none", "LAMMPS has no concentration at the surface"),
     Expressible("waves", _waves, NONE, "none", "LAMMPS has no such forces"),
     Expressible("activity", _active, NONE, "none", "LAMMPS has no such forces with persistence"),
     Expressible("flow.nodes", _tabulated_flow, NONE, "a uniform or linear flow",

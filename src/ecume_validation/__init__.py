@@ -107,6 +107,11 @@ CASES: dict[str, Case] = {
             place="driven_floats:wave_rows",
         ),
         _case(
+            "surfactant",
+            "Camphor discs: speeds and bound pairs beside closed forms, exponent of the speed beside a measured one",
+            place="surfactant:surfactant_rows",
+        ),
+        _case(
             "clusters",
             "Six small spheres: weights of rigid clusters with and without menisci, entropy production",
             long=True,

@@ -49,6 +49,11 @@ OPTIONS: dict[str, tuple[str, dict[str, str]]] = {
     "dish in motion": ("dish", {"dish": "radius = 1e-3\nrestitution = 0.5\n"
                        "motion = { amplitude = 1e-5, frequency = 2.0 }\n"}),
     "periodic cell": ("dish", {"cell": "size = [0.1, 0.1]\n", "interaction": "accuracy = 1e-2\n"}),
+    "surfactant in a dish": ("dish", {
+        "dish": "radius = 1e-3\nrestitution = 0.5\n",
+        "surfactant": "diffusivity = 1e-6\ntension_slope = 1.0\nspacing = 2.5e-5\n"
+                      "[[surfactant.sources]]\nrelease = 1e-15\n",
+    }),
     "flow": ("flow", {"flow": "rotation_rate = 1.0\n"}),
     "active forces": ("activity", {"activity": "force = 1e-12\npersistence = 0.1\npropulsion = 1e-12\n"}),
     "waves": ("waves", {"waves": "frequency = 100.0\n[[waves.sources]]\nplace = [1e-5, 0.0]\nforce = 1e-7\n"}),
@@ -88,7 +93,7 @@ def shorten_tables(replace: Callable[[Any, str, Any], None]) -> None:
     replace(multipoles, "ORDER", 2)
 
 
-DRIVEN = ("cell", "flow", "activity", "magnetic_field", "waves")
+DRIVEN = ("cell", "flow", "activity", "magnetic_field", "waves", "surfactant")
 TABLES = ("liquid", *DRIVEN, "dish", "integration", "hydrodynamics", "contacts", "interaction")
 
 

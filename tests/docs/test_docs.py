@@ -56,6 +56,9 @@ SECTIONS = {
     "[magnetic_field]": floating.MagneticFieldSpec,
     "[waves]": floating.WavesSpec,
     "[[waves.sources]]": floating.WaveSourceSpec,
+    "[surfactant]": floating.SurfactantSpec,
+    "[[surfactant.sources]]": floating.SurfactantSourceSpec,
+    "[[surfactant.drops]]": floating.SurfactantDropSpec,
     "[contacts]": floating.ContactSpec,
     "[interaction]": floating.InteractionSpec,
 }

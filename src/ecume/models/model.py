@@ -48,6 +48,11 @@ def _same(parameters: Any, state: Any) -> Any:
     return state
 
 
+def _no_further_state(scene: Any) -> type | None:
+    """No further fields."""
+    return None
+
+
 def clock_of(state: Any) -> int:
     """The number of steps of a model with equal time steps."""
     return int(state.step[0])
@@ -84,6 +89,8 @@ class Model:
     """observe(parameters, state, workspace): the frame of this instant."""
     diagnosis: Callable[[Any, Any], str]
     """diagnosis(parameters, state): particle, time, cause and cure, for a state that is returned DIVERGED."""
+    further_state: Callable[[Any], type | None] = field(kw_only=True, default=_no_further_state)
+    """further_state(scene): the type of the state of a scene that requires further fields, or None"""
     layout: Callable[[Any, Any, Any], Layout] = field(kw_only=True, default=_as_it_is)
     """layout(scene, parameters, state): what a state with as many particles and as much room looks like. A state from a
     file is compared with it, since compiled loops trust sizes and indices.

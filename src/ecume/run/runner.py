@@ -286,7 +286,8 @@ def _checkpoint(home: RunDirectory, scene: Scene) -> Checkpoint:
     def refused(path: Path, fault: str) -> None:
         note(home, "checkpoint set aside", name=path.name, why=fault)
 
-    kept = checkpoints.newest(home, _model(scene).state, _frames_on_disk(home), refused)
+    kind = _model(scene).further_state(scene) or _model(scene).state
+    kept = checkpoints.newest(home, kind, _frames_on_disk(home), refused)
     return kept or Checkpoint(None, 0)
 
 

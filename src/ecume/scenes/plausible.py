@@ -65,6 +65,8 @@ RANGES = (
     Range(r"soft .*(strength|critical_load|force)", (1e-15, 1.0), (1e-18, 1e6), ("uN", "mN", "nN")),
     Range(r"soft .*(pressure|stress|amplitude)", (1e-9, 1e8), (1e-12, 1e11), ("kPa", "Pa")),
     Range(r"floating (waves|activity)\..*(force|propulsion)", (1e-15, 1e-2), (1e-18, 10.0), ("uN", "mN", "nN")),
+    Range(r"floating surfactant\..*release", (1e-15, 1e-3), (1e-21, 1.0), ("ug/s", "mg/s")),
+    Range(r"floating surfactant\..*mass", (1e-15, 1e-3), (1e-21, 1.0), ("ug", "mg")),
     Range(r"floating activity\.torque", (1e-20, 1e-5), (1e-24, 1.0), ("nN*m", "uN*m")),
     Range(r"floating magnetic_field\.(constant|amplitude)", (1e-9, 10.0), (1e-12, 100.0), ("mT", "uT")),
     Range(r"floating .*magnetic_moment", (1e-15, 1.0), (1e-20, 1e3), ("mA*m^2", "uA*m^2")),

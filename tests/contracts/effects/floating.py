@@ -68,6 +68,15 @@ CELL = {"cell": {"size": [0.08, 0.08]}, "particles": [{"velocity": [-1.0, 0.0]}]
 EVERY = {"output": {"samples": {"every": 1e-4}}}
 TWO = {"particles": [{"name": "a"}, {"name": "b", "radius": 1e-3, "density": 600.0, "contact_angle": 1.2,
                                      "positions": [[8e-3, 0.0]]}]}  # fmt: skip
+SOAP = {
+    "surfactant": {
+        "diffusivity": 1e-4, "tension_slope": 10.0, "loss_rate": 1.0, "spacing": 1e-3, "largest_fall": 0.02,
+        "sources": [{"release": 1e-6}], "drops": [{"position": [0.0, 3e-3], "radius": 2e-3, "mass": 1e-7}],
+    },
+    "dish": {"radius": 0.012}, "integration": {"time_step": 1e-5},
+}  # fmt: skip
+CARRIED = {**SOAP, "flow": {"velocity": [0.2, 0.0]}}
+SOAPED = {**SOAP, **TWO}
 PUSH = {"user_laws": [{"law": "push", "constants": [1e-9]}], **TWO}
 
 EFFECTS = {
@@ -188,6 +197,17 @@ EFFECTS = {
     "hydrodynamics.interaction": of("rotne-prager", liquid={"viscosity": 1.0}, integration=NOISE["integration"]),
     "hydrodynamics.lubrication.roughness": of(1e-5, **FILMS),
     "hydrodynamics.lubrication.cutoff": of(2.5, **FILMS),
+    "surfactant.diffusivity": of(2e-4, **SOAP),
+    "surfactant.tension_slope": of(20.0, **SOAP),
+    "surfactant.loss_rate": of(100.0, **SOAP),
+    "surfactant.largest_fall": of(0.001, **SOAP),
+    "surfactant.advected": of(False, **CARRIED),
+    "surfactant.spacing": of(0.8e-3, **SOAP),
+    "surfactant.sources.species": of("a", **SOAPED),
+    "surfactant.sources.release": of(2e-6, **SOAP),
+    "surfactant.drops.position": of([1e-3, 3e-3], **SOAP),
+    "surfactant.drops.radius": of(3e-3, **SOAP),
+    "surfactant.drops.mass": of(2e-7, **SOAP),
     "activity.force": of(2e-8, **ACTIVE),
     "activity.persistence": of(2e-3, **ACTIVE),
     "activity.propulsion": of(2e-8, **ACTIVE),

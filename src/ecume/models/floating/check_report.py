@@ -249,7 +249,8 @@ def _summary_of_steps(parameters: Parameters, scene: FloatingScene) -> list[Row]
     cost = frame_cost(scene, Content(len(parameters.floats.radius), ARRAYS, NUMBERS), steps)
     moving = parameters.parts.integrator
     pairs = INTEGRATORS_BY_CONSTANTS[type(moving)].pairs_worth(moving)
-    summing = PER_PAIR * (pairs + sum(row.pairs_worth(part) for part, row in interactions_of(parameters)))
+    pairs += sum(row.pairs_worth(part, parameters.time_step) for part, row in interactions_of(parameters))
+    summing = PER_PAIR * pairs
     drifting, gathering = ((cost + summing) * steps for cost in seconds_per_step(len(parameters.floats.radius)))
     return [
         ("time step", with_prefix(parameters.time_step, "s"), _step_remark(parameters.time_step, good)),

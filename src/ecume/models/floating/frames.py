@@ -24,6 +24,7 @@ from ecume.models.floating.parameters import (
     Parameters,
     State,
     Workspace,
+    compiled_state,
     is_driven,
 )
 from ecume.models.floating.time_integration.integration import inertia_of
@@ -161,6 +162,9 @@ def observe(parameters: Parameters, state: State, workspace: Workspace) -> Frame
     }
     numbers = {name: float(numbers[name]) for name in NUMBER_UNITS}
     units |= NUMBER_UNITS
+    for part, row in interactions_of(parameters):
+        for name, (value, unit) in row.numbers(part, state).items():
+            numbers[name], units[name] = value, unit
     if np.any(parameters.periods):
         for name in NOT_IN_CELLS:
             del numbers[name], units[name]
@@ -191,11 +195,12 @@ def energies(parameters: Parameters, state: State, workspace: Workspace) -> dict
     kinetic = 0.5 * float(np.sum(parameters.floats.mass * np.sum(state.velocity**2, axis=1)))
     if (inertia := inertia_of(parameters)) is not None:
         kinetic += 0.5 * float(np.sum(inertia * state.turning[:, 1] ** 2))
+    moving = compiled_state(state)
     pairs, walls = contacts_of(parameters).energy(
-        parameters.parts.contacts, workspace.scratch.contacts, parameters, state, workspace
+        parameters.parts.contacts, workspace.scratch.contacts, parameters, moving, workspace
     )
     for (part, row), own in zip(interactions_of(parameters), workspace.scratch.interactions, strict=True):
-        among, at_walls = row.energy(part, own, parameters, state, workspace)
+        among, at_walls = row.energy(part, own, parameters, moving, workspace)
         pairs, walls = pairs + among, walls + at_walls
     return {
         "kinetic_energy": kinetic,
@@ -272,6 +277,8 @@ def _rows(scene: FloatingScene, parameters: Parameters) -> Iterator[Invariant]:
         )  # fmt: skip
     if row_of(parameters).energy is not None:
         yield _energy(parameters)
+    for _, row in interactions_of(parameters):
+        yield from row.invariants
     if _alone(scene, parameters):
         mass = float(parameters.floats.mass.sum())
         yield kept("momentum", ("momentum_x", "momentum_y"), lambda seen: _momenta(seen, mass), ROUNDING)

@@ -68,6 +68,7 @@ CAPABILITIES: dict[str, tuple[str, str]] = {
     "point charges": ("wall", "a wall that acts on a charge by a formula"),
     "multipoles": ("wall", "a wall whose meniscus is that of the surface"),
     "open": ("boundary", "a dish or an infinite surface"),
+    "bounded": ("boundary", "a dish or a periodic cell"),
 }
 """For each capability, the slot of the option that has it, and a phrase for messages."""
 

@@ -267,6 +267,33 @@ class State(NamedTuple):
     (0, 3) without activity"""
 
 
+class SurfactantState(NamedTuple):
+    """The same with a surfactant at the surface: a separate type, so that other scenes compile nothing for it."""
+
+    position: Array
+    velocity: Array
+    step: Integers
+    reference: Array
+    touches: Integers
+    touching: Integers
+    contact_impulse: Array
+    friction_impulse: Array
+    amplitudes: Array
+    turning: Array
+    tally: Array
+    skin: Array
+    active: Array
+    concentration: Array
+    """(X, Y) kg/m^2, on the grid of the surfactant"""
+    surfactant: Array
+    """(6,) masses and energies since the start: see `forces.surfactant`"""
+
+
+def compiled_state(state: State) -> State:
+    """The part of a state that compiled code gets, with the same arrays."""
+    return State(*state[: len(State._fields)])
+
+
 class Workspace(NamedTuple):
     """Scratch memory; a new one gives the same results."""
 

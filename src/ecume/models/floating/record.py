@@ -15,7 +15,16 @@ from ecume.models.diagnosis import DEEP, first_broken, when
 from ecume.models.floating.check_report import summary
 from ecume.models.floating.contacts.contact_models import contacts_of, gaps_between
 from ecume.models.floating.frames import OVERLAP, invariants, observe
-from ecume.models.floating.parameters import DEEPEST, WORK, Parameters, State, Workspace, make_workspace
+from ecume.models.floating.parameters import (
+    DEEPEST,
+    WORK,
+    Parameters,
+    State,
+    SurfactantState,
+    Workspace,
+    compiled_state,
+    make_workspace,
+)
 from ecume.models.floating.setup.initial_state import layout, position_faults, start
 from ecume.models.floating.setup.scene_parameters import ROOMIER, checked_parameters, chosen_by
 from ecume.models.floating.time_integration.integration import advance, fill_lists, forces_at, make_scratch
@@ -53,7 +62,7 @@ def workspace(parameters: Parameters, state: State, room: float) -> Workspace:
         made = make_workspace(parameters, state, room)
         made = made._replace(scratch=make_scratch(parameters, state, made))
         bare, space = parameters._replace(parts=()), made._replace(scratch=())
-        if fill_lists(parameters.parts, made.scratch, bare, state, space):
+        if fill_lists(parameters.parts, made.scratch, bare, compiled_state(state), space):
             return made
         room *= ROOMIER
 
@@ -144,6 +153,7 @@ def extended(laws: Sequence[BoundLaw]) -> Model:
 FLOATING = Model(
     name="floating",
     state=State,
+    further_state=lambda scene: None if scene.surfactant is None else SurfactantState,
     parameters=checked_parameters,
     start=start,
     layout=layout,

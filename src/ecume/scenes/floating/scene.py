@@ -24,6 +24,7 @@ from ecume.scenes.floating.surroundings import (
     InteractionSpec,
     LiquidSpec,
     MagneticFieldSpec,
+    SurfactantSpec,
     WavesSpec,
 )
 from ecume.scenes.quantities import (
@@ -425,6 +426,9 @@ class FloatingScene(Common):
     waves: WavesSpec | None = None
     """Waves radiated by floats that oscillate up and down. Effect: floats push and turn one another across many
     wavelengths; requires drag."""
+    surfactant: SurfactantSpec | None = None
+    """Surfactant such as camphor or soap at the surface. Effect: floats that release it swim, and the gradient of the
+    surface tension pulls all others away from it; requires drag, and a dish or a cell."""
     contacts: ContactSpec = ContactSpec()
     """The contacts between floats. Effect: they determine collisions and the structure of rafts."""
     interaction: InteractionSpec = InteractionSpec()

@@ -32,6 +32,7 @@ from ecume.scenes.quantities import (
     Size,
     Springiness,
     Switch,
+    Tension,
     TurningRate,
     Velocity,
     WettingAngle,
@@ -405,6 +406,65 @@ class WavesSpec:
     """The heading of each float at the start from the x axis (rad), those of `rows` last; by default random, and the
     `angle` of rows. Example: `["0 deg", "180 deg"]`.
     Effect: sets the directions of sources and of propulsion."""
+
+
+@dataclass(frozen=True, kw_only=True, config=STRICT)
+class SurfactantSourceSpec:
+    """Floats of a species that release surfactant over their area."""
+
+    species: Name = ""
+    """The species that releases it; by default all. Example: `"camphor"`. Effect: others only feel the gradient of the
+    surface tension."""
+    release: Annotated[float, Unit("kg/s"), Field(gt=0.0, le=1.0)]
+    """The mass that each float releases per time (kg/s). Example: `"10 ug/s"`. Effect: the forces are proportional to
+    it; above a threshold a lone float swims."""
+
+
+@dataclass(frozen=True, kw_only=True, config=STRICT)
+class SurfactantDropSpec:
+    """Surfactant that is at the surface at the start, such as a drop of soap."""
+
+    position: tuple[Coordinate, Coordinate]
+    """The center of the drop (m). Example: `["0 mm", "0 mm"]`. Effect: floats move away from it."""
+    radius: Size
+    """The radius of the disc over which it is spread at the start (m). Example: `"2 mm"`. Effect: a smaller drop has
+    steeper gradients."""
+    mass: Annotated[float, Unit("kg"), Field(gt=0.0, le=1.0)]
+    """The mass of the drop (kg). Example: `"1 ug"`. Effect: the forces are proportional to it."""
+
+
+@dataclass(frozen=True, kw_only=True, config=STRICT)
+class SurfactantSpec:
+    """A surfactant such as camphor or soap at the surface, whose gradient drives floats (Marangoni)."""
+
+    diffusivity: Annotated[float, Unit("m^2/s"), Field(gt=0.0, le=1.0)]
+    """The effective diffusivity at the surface (m^2/s), which contains the flow that the gradient causes. Example:
+    `"1 cm^2/s"`. Effect: spreads the surfactant farther ahead of a float."""
+    tension_slope: Annotated[float, Unit("N*m/kg"), Field(gt=0.0, le=1e12)]
+    """The fall of the surface tension per mass of surfactant on an area (N m/kg). Example: `1e3`. Effect: the forces
+    are proportional to it."""
+    loss_rate: Annotated[Rate, Field(ge=0.0, le=1e6)] = 0.0
+    """The rate at which surfactant leaves the surface by evaporation and dissolution (1/s). Example: `0.5`. Effect:
+    limits the range of the surfactant and the trail behind a float."""
+    largest_fall: Tension | None = None
+    """The largest fall of the surface tension (N/m), where the surface is saturated; by default none. Example:
+    `"40 mN/m"`. Effect: no forces act where the surface is saturated."""
+    advected: Switch = True
+    """Whether the imposed flow of the surface carries the surfactant along. Effect: moves the surfactant with
+    `flow`."""
+    spacing: Size | None = None
+    """The spacing of the grid (m); by default a third of the smallest radius of a float. Example: `"1 mm"`. Effect:
+    a finer grid is more accurate and costs the fourth power of its fineness."""
+    sources: tuple[SurfactantSourceSpec, ...] = ()
+    """The floats that release surfactant. Effect: they swim, and repel others."""
+    drops: tuple[SurfactantDropSpec, ...] = ()
+    """Surfactant that is at the surface at the start. Effect: floats move away from it."""
+
+    @model_validator(mode="after")
+    def _released(self) -> Self:
+        if not self.sources and not self.drops:
+            raise Inconsistent([(("sources",), "is missing; expected sources or drops of surfactant")])
+        return self
 
 
 @dataclass(frozen=True, kw_only=True, config=STRICT)

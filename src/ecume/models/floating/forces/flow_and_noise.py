@@ -31,8 +31,9 @@ if TYPE_CHECKING:
 
 
 def _driven(scene: FloatingScene) -> bool:
-    """Whether floats have active forces, or forces by waves or a magnetic field."""
-    return scene.activity is not None or scene.waves is not None or scene.magnetic_field is not None
+    """Whether forces without an energy act: active ones, or those of waves, a magnetic field or a surfactant."""
+    driven = scene.activity, scene.waves, scene.magnetic_field, scene.surfactant
+    return any(each is not None for each in driven)
 
 
 def drift_of(scene: FloatingScene) -> Drift:

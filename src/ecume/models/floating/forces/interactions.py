@@ -14,7 +14,7 @@ import numpy as np
 from ecume._jit import composed, each_selected
 from ecume._tables import by_constants
 from ecume.engine.neighbors import NeighborLists, sort_positions
-from ecume.laws import contact_lines, ewald, multipole, pair_laws, radiated_waves
+from ecume.laws import camphor, contact_lines, ewald, multipole, pair_laws, radiated_waves
 from ecume.models.floating.coupled.mobility import CoupledFilms, apply_coupled_films, coupled_films_of
 from ecume.models.floating.forces.activity import (
     Activity,
@@ -71,6 +71,20 @@ from ecume.models.floating.forces.pair_forces import (
     superposed_forces,
     superposed_of,
 )
+from ecume.models.floating.forces.surfactant import (
+    BUDGETS,
+    Surfactant,
+    advance_surfactant,
+    keep_motion,
+    make_surfactant_scratch,
+    no_surfactant_energy,
+    surfactant_forces,
+    surfactant_lines,
+    surfactant_numbers,
+    surfactant_of,
+    surfactant_work,
+    with_surfactant,
+)
 from ecume.models.floating.forces.waves import (
     Waves,
     kick_wave_spins,
@@ -85,6 +99,7 @@ from ecume.models.floating.options import Built, Option
 from ecume.models.floating.parameters import Parameters, Parts, Scratch, State, Workspace, clear
 from ecume.models.floating.shaped.bodies import Shaped, make_shaped_scratch, shaped_energies, shaped_forces
 from ecume.models.floating.shaped.constants import shapes_of
+from ecume.models.invariants import Invariant
 from ecume.units import Array
 
 if TYPE_CHECKING:
@@ -128,10 +143,14 @@ class Interaction(Option):
     """inertia(part): of floats that the part turns (kg m^2), (N,)"""
     arrays: Callable[[Any], Mapping[str, tuple[Array, str]]] = lambda part: {}
     """arrays(part): quantities for frames, with units"""
+    numbers: Callable[[Any, State], Mapping[str, tuple[float, str]]] = lambda part, state: {}
+    """numbers(part, state): numbers for frames, with units"""
+    invariants: tuple[Invariant, ...] = ()
+    """what must hold for these numbers during a run"""
     lines: Callable[[Any, Parameters], list[tuple[str, str, str]]] = lambda part, parameters: []
     """lines(part, parameters): further lines of `ecume check`"""
-    pairs_worth: Callable[[Any], float] = lambda part: 0.0
-    """pairs_worth(part): work of a time step in addition to lists, in pairs"""
+    pairs_worth: Callable[[Any, float], float] = lambda part, time_step: 0.0
+    """pairs_worth(part, time_step): work of a time step in addition to lists, in pairs"""
     points: Callable[[Any], float] = lambda part: 0.0
     """points(part): number of grid points, for the estimate of memory"""
     laws: tuple[Callable[..., Any], ...] = ()
@@ -211,7 +230,7 @@ INTERACTIONS = {
         path="interaction.summation", name="'grid'", constants=Split, make=lambda parameters, scene: Built(()),
         add_forces=smooth_forces, energy=split_energy, compiled=False, scratch=make_reference, sort=place_grid,
         lines=split_lines,
-        pairs_worth=lambda part: part.work[1], points=lambda part: part.points,
+        pairs_worth=lambda part, time_step: part.work[1], points=lambda part: part.points,
         gives=ROUND | {"superposed", "no torques"},
         laws=(ewald.short_energy, ewald.smooth_wave, ewald.grid_error),
         needs={
@@ -235,7 +254,7 @@ INTERACTIONS = {
         path="waves", name="a source of waves", constants=Waves, make=waves_of, add_forces=wave_forces,
         energy=no_wave_energy, scratch=make_waves_scratch, kick_spins=kick_wave_spins, state=with_headings,
         inertia=lambda part: np.asarray(part.inertia), lines=wave_lines,
-        pairs_worth=lambda part: 2.0 * float(len(part.owner)) ** 2,
+        pairs_worth=lambda part, time_step: 2.0 * float(len(part.owner)) ** 2,
         gives=ROUND | {"pair sum", "grid", "superposed", "undulations"},
         laws=(radiated_waves.slope_per_force, radiated_waves.mean_force),
         needs={
@@ -247,6 +266,21 @@ INTERACTIONS = {
             "open": "waves of images would overlap to infinity",
             "single drag": "the flow of a float that turns moves its neighbors",
             "no spins": "a torque on floats that rub is transmitted by their contacts",
+        },
+    ),
+    "surfactant": Interaction(
+        path="surfactant", name="a surfactant", constants=Surfactant, make=surfactant_of,
+        add_forces=surfactant_forces, energy=no_surfactant_energy, compiled=False, scratch=make_surfactant_scratch,
+        kick_spins=advance_surfactant, add_work=keep_motion, state=with_surfactant,
+        numbers=surfactant_numbers, lines=surfactant_lines, invariants=BUDGETS,
+        pairs_worth=surfactant_work, points=lambda part: float(part.wet.size),
+        gives=ROUND | {"pair sum", "grid", "superposed", "undulations", "no torques"},
+        laws=(camphor.propulsion, camphor.threshold_friction),
+        needs={
+            "drag": "surface tension drives floats, and drag limits their speed",
+            "kicks at the ends": "the concentration is advanced once per step",
+            "round": "floats release over a disc, on whose perimeter the surface tension acts",
+            "bounded": "the concentration is computed on a grid, which has an end",
         },
     ),
 }  # fmt: skip

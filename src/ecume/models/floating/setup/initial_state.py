@@ -9,6 +9,7 @@ omits no more than `interaction.accuracy` allows.
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -38,8 +39,9 @@ if TYPE_CHECKING:
     from ecume.scenes.floating import FloatingScene, FloatRow
 
 
-CELL = Option(slot="boundary", path="cell", name="a periodic cell")
-OPEN = Option(slot="boundary", path="dish", name="a dish or an infinite surface", gives=frozenset({"open"}))
+CELL = Option(slot="boundary", path="cell", name="a periodic cell", gives=frozenset({"bounded"}))
+OPEN = Option(slot="boundary", path="dish", name="an infinite surface", gives=frozenset({"open"}))
+DISH = replace(OPEN, name="a dish", gives=frozenset({"open", "bounded"}))
 GRADIENT = Option(
     slot="flow gradient", path="flow", name="a flow with a gradient",
     needs={"open": "its velocity differs on opposite borders of a cell"},
@@ -52,7 +54,7 @@ def boundary_of(scene: FloatingScene) -> list[Option]:
     gradient = flow is not None and bool(
         flow.shear_rate or flow.rotation_rate or flow.extension_rate or flow.nodes is not None or flow.field is not None
     )
-    return [OPEN if scene.cell is None else CELL, *([GRADIENT] if gradient else [])]
+    return [CELL if scene.cell is not None else OPEN if scene.dish is None else DISH, *([GRADIENT] if gradient else [])]
 
 
 def periods_in(scene: FloatingScene) -> Array:

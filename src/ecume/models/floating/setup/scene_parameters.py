@@ -276,6 +276,7 @@ def chosen_by(scene: FloatingScene) -> Chosen:
     names += ["magnetic field"] if field else ["dipoles"] if np.any(moments_of(scene)) else []
     names += ["activity"] if scene.activity is not None else []
     names += ["waves"] if scene.waves is not None else []
+    names += ["surfactant"] if scene.surfactant is not None else []
     hydrodynamics, touching = hydrodynamics_of(scene), _contacts_of(scene)
     films = [hydrodynamics.resistance("films")] if scene.hydrodynamics.lubrication is not None else []
     requested = CONTACTS[touching]

@@ -46,6 +46,7 @@ from ecume.models.floating.parameters import (
     State,
     VaryingDrift,
     Workspace,
+    compiled_state,
     copy_rows,
 )
 from ecume.models.floating.time_integration.integrators import (
@@ -181,6 +182,7 @@ def advance(parameters: Parameters, state: State, workspace: Workspace, steps: i
     whole = all(map(attrgetter("compiled"), (INTEGRATORS_BY_CONSTANTS[type(parts.integrator)], *interactions)))
     run = integrate if whole else plainly(integrate)
     last, space = int(state.step[0]) + steps, workspace._replace(scratch=())
+    state = compiled_state(state)
     while True:
         status = run(parts, workspace.scratch, bare, state, space, last - int(state.step[0]))
         if status != OUTDATED:
