@@ -20,9 +20,10 @@ from ecume.models.model import DONE
 PLAIN = os.environ.get("NUMBA_DISABLE_JIT") == "1"
 # Each combination is compiled by itself: as plain Python all of them take a minute.
 plain_only = pytest.mark.skipif(not PLAIN, reason="every pair is tried as plain Python")
-WITHOUT_ENERGY = {"one-sided law", "flow", "active forces", "waves"}
+WITHOUT_ENERGY = {"one-sided law", "flow", "active forces", "waves", "surfactant in a dish"}
 """Options whose forces have no potential."""
-OUTSIDE = {"one-sided law", "round dish", "square dish", "wall profile", "dish in motion", "flow", "active forces"}
+DISHES = {"round dish", "square dish", "wall profile", "dish in motion", "surfactant in a dish"}
+OUTSIDE = {"one-sided law", "flow", "active forces", *DISHES}
 """Options with which momentum is not kept."""
 STEP = 1e-9
 """m, of differences"""

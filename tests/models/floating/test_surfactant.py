@@ -19,6 +19,8 @@ from ecume.models.floating.forces.surfactant import (
 )
 from ecume.models.floating.parameters import part_of
 from ecume.models.invariants import NumberHistory
+from ecume.run.checkpoints import Checkpoint, newest, save
+from ecume.run.directory import RunDirectory
 from ecume.simulation import simulate
 from tests.models.floating.bowls import scene_of
 
@@ -211,6 +213,18 @@ def test_half_a_run_and_half_a_run_are_a_run_with_surfactant(seed):
     ends = [advanced(scene, *parts)[1] for parts in ((12,), (7, 5))]
     for name in ("position", "velocity", "concentration", "surfactant", "tally"):
         assert np.array_equal(getattr(ends[0], name), getattr(ends[1], name)), name
+
+
+def test_a_checkpoint_keeps_the_concentration(tmp_path):
+    scene, _ = random_scene(0)
+    _, state = advanced(scene, 5)
+    home = RunDirectory(tmp_path)
+    home.checkpoints.mkdir(parents=True)
+    save(home, Checkpoint(state, 0, 5))
+    found = newest(home, FLOATING.further_state(scene) or FLOATING.state, 0, lambda path, fault: pytest.fail(fault))
+    assert found is not None
+    assert all(np.array_equal(one, other) for one, other in zip(state, found.state, strict=True))
+    assert FLOATING.further_state(scene_of(f"[dish]\nradius = 0.02\n[[particles]]\n{DISC}")) is None
 
 
 def test_a_spot_spreads_as_diffusion_says_and_is_lost_at_its_rate():
