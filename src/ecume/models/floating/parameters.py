@@ -291,7 +291,7 @@ class SurfactantState(NamedTuple):
 
 def compiled_state(state: State) -> State:
     """The part of a state that compiled code gets, with the same arrays."""
-    return State(*state[: len(State._fields)])
+    return State._make(state[: len(State._fields)])
 
 
 class Workspace(NamedTuple):
