@@ -28,6 +28,7 @@ from figures_surfactant import FIGURES as SURFACTANT_FIGURES
 from figures_tanks import FIGURES as TANK_FIGURES
 from figures_tracers import FIGURES as TRACER_FIGURES
 from figures_tutorials import FIGURES as TUTORIAL_FIGURES
+from figures_two_liquids import FIGURES as TWO_LIQUID_FIGURES
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Circle
@@ -274,6 +275,7 @@ FIGURES: dict[str, Callable[[], Figure]] = {
     "integrators": integrators,
     "cereal-bowl": cereal_bowl,
     **CHOICE_FIGURES,
+    **TWO_LIQUID_FIGURES,
     **FLOATING_FIGURES,
     **FIT_FIGURES,
     **MANY_FIGURES,

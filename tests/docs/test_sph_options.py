@@ -65,7 +65,7 @@ CALLED = {
     "TankSpec": "`[tank]`", "SideSpec": "a side", "MotionSpec": "motion", "BaseExcitationSpec": "`[base_excitation]`",
     "CentralForceSpec": "`[central_force]`", "ObstacleSpec": "`[[obstacles]]`", "BodySpec": "`[[bodies]]`",
     "PassiveTracerSpec": "`[[passive_tracers]]`", "GaugeSpec": "`[[gauges]]`", "MethodSpec": "`[method]`",
-    "IntegrationSpec": "`[integration]`", "BodyMotionSpec": "motion of a body",
+    "IntegrationSpec": "`[integration]`", "SecondLiquidSpec": "`[second_liquid]`", "BodyMotionSpec": "motion of a body",
 }  # fmt: skip
 """What the table calls each part of a scene; shapes are a part of regions, obstacles and bodies."""
 NAMED = {

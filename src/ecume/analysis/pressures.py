@@ -12,7 +12,7 @@ from ecume.trajectories.frame import Frame
 
 def with_pressures(scene: Any) -> Callable[[Frame], Frame]:
     """A function that adds `hydrostatic_pressure`, `dynamic_pressure` and `absolute_pressure` (Pa) to frames of a tank.
-    Frames of other models stay as they are.
+    Frames of other models stay as they are; two liquids have no hydrostatic pressure of one density.
 
     >>> import ecume, numpy as np
     >>> scene = ecume.from_plain({"model": "sph", "duration": 0.1, "frame_every": 0.1, "spacing": 0.1,
@@ -27,11 +27,12 @@ def with_pressures(scene: Any) -> Callable[[Frame], Frame]:
         return lambda frame: frame
     from ecume.models.sph.report.observation import PRESSURES, reference_of
 
-    reference = reference_of(scene)
+    reference, single = reference_of(scene), scene.second_liquid is None
+    known = [name for name in PRESSURES if single or name == "absolute_pressure"]
 
     def added(frame: Frame) -> Frame:
         gauge, position = frame.arrays["pressure"], frame.arrays["position"]
-        found = {name: kind(reference, gauge, position) for name, kind in PRESSURES.items() if name != "pressure"}
+        found = {name: PRESSURES[name](reference, gauge, position) for name in known if name != "pressure"}
         return frame._replace(arrays={**frame.arrays, **found}, units={**frame.units, **dict.fromkeys(found, "Pa")})
 
     return added

@@ -48,6 +48,10 @@ GAUGE = {"gauges": [{"name": "P", "position": [0.5, 0.1]}]}
 ROW = {"gauges": [{"name": "P", "position": [0.2, 0.1], "end": [0.8, 0.1], "count": 2}]}
 PULL = {"central_force": {"angular_frequency": 1.0, "center": [0.5, 0.5]}, "gravity": [0.0, 0.0]}
 TRANSPORT = {"method": {"pressure_force": "transport"}, **FULL}
+TWO = {"second_liquid": {"density": 0.5},
+       "fluid": [{"high": [0.5, 0.5]}, {"low": [0.5, 0.0], "high": [1.0, 0.5], "liquid": "second"}]}  # fmt: skip
+TWO_VISCOUS = {**TWO, "second_liquid": {"density": 0.5, "viscosity": 0.02}, **VISCOUS}
+TWO_NAMED = {**TWO, "liquid": {"density": None, "viscosity": 0.001}, "second_liquid": {"name": "glycerol"}}
 LID = {"tank": {"bottom": {"velocity": [0.2, 0.0]}}, **VISCOUS}
 SIDES = ("left", "right", "bottom", "top", "front", "back")
 
@@ -91,6 +95,14 @@ EFFECTS = {
     "liquid.rheology.exponent": of(0.7, **YIELDING),
     "liquid.rheology.yield_stress": of(0.02, **YIELDING),
     "liquid.rheology.largest_viscosity": of(0.025, **YIELDING),
+    "second_liquid.name": of("ethanol", **TWO_NAMED),
+    "second_liquid.temperature": of(330.0, **TWO_NAMED),
+    "second_liquid.density": of(0.25, **TWO),
+    "second_liquid.viscosity": of(0.05, **TWO_VISCOUS),
+    "second_liquid.interface_tension": of(0.02, **TWO),
+    "second_liquid.sound_speed": of(20.0, **TWO),
+    "second_liquid.tait_exponent": of(1.0, **TWO),
+    "fluid.liquid": of("first", **{**TWO, "fluid": [{"high": [0.5, 0.5], "liquid": "second"}, *TWO["fluid"][1:]]}),
     "fluid.low": of([0.25, 0.0]),
     "fluid.high": of([1.0, 0.75]),
     "fluid.vertices": of([[0.0, 0.0], [0.9, 0.0], [0.2, 0.9]], fluid=[POLYGON]),

@@ -51,6 +51,8 @@ class Fields(NamedTuple):
     """the weight of a neighbor in sums: its volume, or its mass"""
     damping: Floats
     """Pa, (zeta/rho) drho/dt of the acoustic damping, with the rate of the last evaluation: part of the force term"""
+    kind: Floats
+    """1 or 2, the liquid and its images in tanks with two liquids; otherwise 0"""
     correction: Floats
     """(6, entries) xx, yy, zz, xy, xz, yz of the matrix that completes gradients; (0, entries) where none is used"""
 
@@ -77,11 +79,12 @@ class FieldRows(NamedTuple):
     force_term: int = 21
     weight: int = 22
     damping: int = 23
-    correction: int = 24
+    kind: int = 24
+    correction: int = 25
 
 
 FIELD = FieldRows()
-FIELDS, CORRECTED_FIELDS = 24, 30
+FIELDS, CORRECTED_FIELDS = 25, 31
 """Rows of a table, without and with the matrices that complete gradients."""
 
 
@@ -227,4 +230,16 @@ class ConstantDensity(NamedTuple):
     density: float
 
 
-EquationOfState = Tait | ConstantDensity
+class TwoLiquids(NamedTuple):
+    """The constants of `Tait` for two liquids, first those of liquid 1."""
+
+    sound_speed: float
+    exponent: float
+    density: float
+    second_sound_speed: float
+    second_exponent: float
+    second_density: float
+
+
+Liquid = Tait | ConstantDensity
+EquationOfState = Liquid | TwoLiquids

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, cast
+
+import numpy as np
 
 from ecume.engine.cells import Integers, Sides
 from ecume.engine.shapes import Panels, Shape
@@ -41,6 +43,20 @@ class Material(NamedTuple):
     surface_tension: float
     fastest: float
     """m/s, the fastest speed expected"""
+
+    @property
+    def laws(self) -> tuple[float, float, float]:
+        """Density, sound speed and exponent, as laws take them."""
+        return self.density, self.sound_speed, self.exponent
+
+
+class SecondLiquid(NamedTuple):
+    """Another liquid in the tank; `Parameters.material` is liquid 1."""
+
+    material: Material
+    """its surface tension is that of the interface"""
+    kind: Array
+    """(regions,) 1.0 or 2.0, the liquid of each region of the scene"""
 
 
 class Rheology(NamedTuple):
@@ -346,6 +362,39 @@ class Parameters(NamedTuple):
     """(d,) m: positions that sums read are relative to this"""
     user_forces: Callable[[Parameters, Any, Any], Array] | None = None
     """laws of the user"""
+    second: SecondLiquid | None = None
+    """the other liquid, None in a tank with one"""
+
+    @property
+    def materials(self) -> tuple[Material, ...]:
+        """The liquids."""
+        return (self.material,) if self.second is None else (self.material, self.second.material)
+
+    def damping_ratio(self, liquid: Material) -> float:
+        """The bulk viscosity of a liquid, alpha rho c h, over that of liquid 1."""
+        return liquid.density * liquid.sound_speed / (self.material.density * self.material.sound_speed)
+
+    @property
+    def contrast(self) -> tuple[float, ...]:
+        """(rho_1 - rho_2)/(rho_1 + rho_2), as sums of two liquids read it; empty for one liquid."""
+        if self.second is None:
+            return ()
+        one, other = self.material.density, self.second.material.density
+        return (cast(float, self.precision((one - other) / (one + other))),)
+
+    def parts(self, region: Integers) -> list[tuple[Material, Any]]:
+        """Each liquid with the particles of it, of these regions of the scene."""
+        if self.second is None:
+            return [(self.material, slice(None))]
+        kind = self.second.kind[region]
+        return [(each, np.flatnonzero(kind == number)) for number, each in enumerate(self.materials, 1)]
+
+    def of_each(self, name: str, region: Integers) -> Any:
+        """A number of the liquid: one for all particles, or (N,) where there are two liquids."""
+        if self.second is None:
+            return getattr(self.material, name)
+        values = np.array([getattr(each, name) for each in self.materials])
+        return values[self.second.kind[region].astype(np.int64) - 1]
 
     @property
     def numbers(self) -> Numbers:

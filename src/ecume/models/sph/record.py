@@ -88,7 +88,8 @@ TANKS = Access(
 
 def start(scene: SphScene, parameters: Parameters) -> State:
     """The liquid at time 0."""
-    state = make_state(parameters, liquid_of(scene, parameters.material))
+    other = None if parameters.second is None else parameters.second.material
+    state = make_state(parameters, liquid_of(scene, parameters.material, other))
     drive_bodies(parameters, state)
     return with_buffers(parameters, state)
 

@@ -257,9 +257,11 @@ def workspace_at(parameters: Parameters, state: State, before: Workspace | None 
     )
     columns = count + len(images.source)
     if before and before.fields.shape[1] == columns:
+        put_kinds(parameters, state, before.fields)
         return Workspace(images, lists, before.fields, before.rates, before.records, before.before, cells)
     fields = zero_fields(columns, parameters.precision, parameters.corrects)
     fields.liquid[:liquid], fields.viscosity[:liquid] = 1.0, parameters.material.viscosity
+    put_kinds(parameters, state, fields)
     put_dummies(parameters, fields, liquid)
     rates, rates_before = zero_rates(liquid, parameters.precision), np.zeros((parameters.dimension + 1, liquid))
     records = np.zeros((columns, RECORD), parameters.precision)
@@ -272,6 +274,14 @@ def cells_of(all_positions: Array, support: float, skin: float) -> CellLists | N
         return None
     grid = grid_around(all_positions, support + skin)
     return CellLists(grid, sort_by_cell(all_positions, grid), skin)
+
+
+def put_kinds(parameters: Parameters, state: State, fields: Fields) -> None:
+    """Fill the constant fields of two liquids; sorting particles moves them."""
+    if parameters.second is not None:
+        count = len(state.region)
+        fields.kind[:count] = parameters.second.kind[state.region]
+        fields.viscosity[:count] = parameters.of_each("viscosity", state.region)
 
 
 def put_dummies(parameters: Parameters, fields: Fields, first: int) -> None:

@@ -5,7 +5,15 @@
 """
 
 from ecume.scenes.sph.motions import BaseExcitationSpec, BodyMotionSpec, MotionSpec
-from ecume.scenes.sph.scene import CentralForceSpec, FluidSpec, IntegrationSpec, MethodSpec, RegionSpec, SphScene
+from ecume.scenes.sph.scene import (
+    CentralForceSpec,
+    FluidSpec,
+    IntegrationSpec,
+    MethodSpec,
+    RegionSpec,
+    SecondLiquidSpec,
+    SphScene,
+)
 from ecume.scenes.sph.solids import BodySpec, ObstacleSpec, PassiveTracerSpec, ShapeSpec
 from ecume.scenes.sph.sources import ParticlesSpec
 from ecume.scenes.sph.tank import GaugeSpec, SideSpec, TankSpec
@@ -24,6 +32,7 @@ __all__ = [
     "ParticlesSpec",
     "PassiveTracerSpec",
     "RegionSpec",
+    "SecondLiquidSpec",
     "ShapeSpec",
     "SideSpec",
     "SphScene",

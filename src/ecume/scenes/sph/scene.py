@@ -123,12 +123,58 @@ class FluidSpec:
 
 
 @dataclass(frozen=True, kw_only=True, config=STRICT)
+class SecondLiquidSpec:
+    """Another liquid in the tank, in the regions with `liquid = "second"`; it does not mix with the first. By default
+    `name` and `temperature` set its properties; without a name it is inviscid.
+    """
+
+    name: Name = ""
+    """A liquid of the table in `ecume.laws.liquids`, at the `temperature`. Effect: provides the density and viscosity
+    that are not given."""
+    temperature: Annotated[Temperature, Field(gt=0.0, le=1e4)] | None = None
+    """The temperature of a named liquid (K); text such as `20 degC` is allowed; by default 20 degrees Celsius.
+    Effect: a warmer liquid is less viscous."""
+    density: PositiveDensity | None = None
+    """The density where the gauge pressure is zero (kg/m^3), at most 1000 times that of the first liquid, at least a
+    thousandth of it; by default that of the named liquid. Effect: the lighter liquid rises."""
+    viscosity: LiquidViscosity | None = None
+    """The dynamic viscosity (Pa s); by default that of the named liquid, or 0. Effect: damps the flow; both liquids
+    have a viscosity, or none."""
+    interface_tension: Tension = 0.0
+    """The tension of the interface between both liquids (N/m), which must not meet the free surface of the denser one.
+    Example: `"50 mN/m"`. Effect: contracts the interface; drops become round."""
+    sound_speed: PositiveSpeed | None = None
+    """The numerical speed of sound (m/s); by default that with which both liquids are equally stiff, so that it is
+    larger in the lighter one. Effect: smaller values allow longer time steps, and let the liquid be compressed more."""
+    tait_exponent: Exponent = 7.0
+    """The exponent gamma of Tait's equation of state; 1 is linear. Effect: larger values stiffen the liquid under
+    compression."""
+
+    @model_validator(mode="after")
+    def _has_density(self) -> Self:
+        if self.density is None and not self.name:
+            raise Inconsistent([(("density",), "expected a density, or the name of a liquid")])
+        return self
+
+    @property
+    def alone(self) -> FluidSpec:
+        """The same properties as those of a first liquid; its surface tension is that of the interface."""
+        return FluidSpec(
+            name=self.name, temperature=self.temperature, density=self.density, viscosity=self.viscosity,
+            surface_tension=self.interface_tension, sound_speed=self.sound_speed, tait_exponent=self.tait_exponent,
+        )  # fmt: skip
+
+
+@dataclass(frozen=True, kw_only=True, config=STRICT)
 class RegionSpec(ShapeSpec):
     """A part of space that is full of liquid at the start. Exactly one shape.
 
     In a file it may also be `particles_from = "TABLE.csv"` or `outline_from = "FILE"` (STL in 3D, DXF in 2D).
     """
 
+    liquid: Literal["first", "second"] = "first"
+    """The liquid of the region: `first`, that of `[liquid]`, or `second`, that of `[second_liquid]`. Effect: selects
+    density, viscosity and speed of sound."""
     particles: ParticlesSpec | None = None
     """Individual particles from a table or another run, instead of a shape. Effect: replaces the lattice of
     particles."""
@@ -264,6 +310,8 @@ class SphScene(Common):
     and 8 or 16 times the cost."""
     liquid: FluidSpec = FluidSpec()
     """The properties of the liquid. Effect: they set inertia, viscosity, tension and speed of sound."""
+    second_liquid: SecondLiquidSpec | None = None
+    """Another liquid, which does not mix with the first. Effect: light regions rise, heavy ones sink."""
     fluid: tuple[RegionSpec, ...] = ()
     """The regions that contain liquid at the start. Effect: each region adds particles."""
     tank: TankSpec
@@ -319,6 +367,7 @@ class SphScene(Common):
         complaints += side_faults(self.tank, self.sides)
         complaints += passive_tracer_faults(self.passive_tracers, self.tank, self.method.turbulence)
         complaints += _rheology_faults(self)
+        complaints += _second_liquid_faults(self)
         if complaints:
             raise Inconsistent(complaints)
         return self
@@ -412,6 +461,14 @@ def _steps(scene: SphScene) -> Complaints:
     if step is not None and scene.duration / step > MOST_STEPS:
         return [(("integration", "time_step"), f"gives more than {MOST_STEPS:.0e} steps")]
     return []
+
+
+def _second_liquid_faults(scene: SphScene) -> list[tuple[Path, str]]:
+    """Faults of a second liquid without regions, and of regions without it."""
+    regions = [index for index, region in enumerate(scene.fluid) if region.liquid == "second"]
+    if scene.second_liquid is None:
+        return [(("fluid", index, "liquid"), "there is no [second_liquid]; write the table") for index in regions]
+    return [] if regions else [(("second_liquid",), 'no region has liquid = "second"; write it in one, or remove this')]
 
 
 def _rheology_faults(scene: SphScene) -> list[tuple[Path, str]]:

@@ -72,6 +72,7 @@ def require_playable(scene: SphScene) -> None:
     sides = [getattr(scene.tank, name) for name in ("left", "right", "bottom", "top")]
     present = {
         "bodies": bool(scene.bodies),
+        "[second_liquid]": scene.second_liquid is not None,
         "incompressible liquids": scene.method.pressure != "tait",
         "[[passive_tracers]]": bool(scene.passive_tracers),
         "[base_excitation]": scene.base_excitation is not None,

@@ -90,6 +90,8 @@ def dynamic_pressure(frames: Frames, scene: SphScene) -> Figure:
     one, zero at rest.
     """
     height, _ = _heights(frames[-1], scene)
+    if scene.second_liquid is not None:
+        raise BadInput("the dynamic pressure is of one liquid; this tank has a [second_liquid]")
     values = with_pressures(scene)(frames[-1]).arrays["dynamic_pressure"]
     lengths, pressures = scale_for(float(np.abs(height).max()), "m"), scale_for(float(np.abs(values).max()), "Pa")
     with style():
@@ -118,6 +120,8 @@ def _column(frame: Frame, scene: SphScene, weight: float) -> tuple[Array, Array]
     """
     from ecume.models.sph.setup.building import material_of
 
+    if scene.second_liquid is not None:
+        raise BadInput("the exact column is of one liquid; this tank has a [second_liquid]")
     material = material_of(scene)
     low, high = walls_at(scene, frame)
     floor = float(np.prod(np.delete(high - low, scene.up_axis)))
@@ -159,7 +163,10 @@ def front(frames: Frames, scene: SphScene) -> Figure:
 
 def center(frames: Frames, scene: SphScene) -> Figure:
     """The center of mass."""
-    names = {f"center_{axis}": axis for axis in AXES[: len(scene.tank.low)]}
+    axes = AXES[: len(scene.tank.low)]
+    names = {f"center_{axis}": axis for axis in axes}
+    if scene.second_liquid is not None:
+        names = {f"{one}_center_{axis}": f"{one} liquid, {axis}" for one in ("first", "second") for axis in axes}
     return _lengths_over_time(frames, scene, names, "center of mass", "Center of mass")
 
 

@@ -62,7 +62,7 @@ COLORINGS: Mapping[str, Coloring | None] = {
 }
 """The colorings by the names of `ecume movie --color`; `region` colors by the [[fluid]] table of a particle."""
 DERIVED = ("hydrostatic_pressure", "dynamic_pressure", "absolute_pressure")
-"""Pressures that follow from the gauge pressure, see `ecume.analysis.pressures`."""
+"""Pressures that follow from the gauge pressure, see `ecume.analysis.pressures`; the last one also for two liquids."""
 
 
 def colorings_of(scene: SphScene) -> dict[str, Coloring | None]:
@@ -72,7 +72,8 @@ def colorings_of(scene: SphScene) -> dict[str, Coloring | None]:
     def derived(name: str) -> Callable[[Frame], Array]:
         return lambda frame: completed(frame).arrays[name]
 
-    more = {name.replace("_", "-"): Coloring(derived(name), name.replace("_", " "), "Pa") for name in DERIVED}
+    names = DERIVED if scene.second_liquid is None else DERIVED[-1:]
+    more = {name.replace("_", "-"): Coloring(derived(name), name.replace("_", " "), "Pa") for name in names}
     return {**COLORINGS, **more}
 
 
@@ -185,7 +186,11 @@ class LiquidTank(Tank):
 
 
 def usual_color(scene: SphScene) -> str:
-    """The default quantity for colors: the pressure under gravity, otherwise the speed."""
+    """The default quantity for colors: the liquids where there are two; the pressure under gravity, otherwise the
+    speed.
+    """
+    if scene.second_liquid is not None:
+        return "region"
     return "pressure" if any(scene.gravity or ()) else "speed"
 
 
@@ -261,6 +266,12 @@ def regions(scene: SphScene) -> list[Species]:
     """The [[fluid]] tables, each in its color, and the [[passive_tracers]], in colors that the liquid seldom has."""
     palette, bright = itertools.cycle(PALETTE[1:]), itertools.cycle(BRIGHT)
     liquid = [Species(f"region {n}", part.color or next(palette)) for n, part in enumerate(scene.fluid, 1)]
+    if scene.second_liquid is not None:
+        colors = dict(zip(("first", "second"), PALETTE[1:], strict=False))
+        liquid = [
+            each._replace(color=part.color or colors[part.liquid])
+            for each, part in zip(liquid, scene.fluid, strict=True)
+        ]
     return liquid + [
         Species(f"tracers {n}", part.color or next(bright)) for n, part in enumerate(scene.passive_tracers, 1)
     ]

@@ -157,13 +157,18 @@ def sph_stage(scene: Any, sample: Sequence[Frame]) -> Stage:
 
     margin = 0.03 * float((high - low).max())
     return Stage(
-        low - margin, high + margin, _regions(scene), usual_color(scene) if flat else "species",
+        low - margin, high + margin, _regions(scene), usual_quantity(scene) if flat else "species",
         FULL * scene.spacing, _joined(lines),
         movers if scene.bodies or (driven and flat) else None, _mover_colors(scene, low),
         liquid=_filled(scene, low - margin, high + margin),
         curves=("kinetic_energy", _peak(scene)), apart=len(scene.fluid) if scene.passive_tracers else None,
         derived=_pressures(scene),
     )  # fmt: skip
+
+
+def usual_quantity(scene: Any) -> str:
+    """The array that colors tanks in 2D at first."""
+    return "species" if (name := usual_color(scene)) == "region" else name
 
 
 def _peak(scene: Any) -> str:
@@ -176,7 +181,8 @@ def _peak(scene: Any) -> str:
 
 def _pressures(scene: Any) -> Callable[[Frame], Frame] | None:
     """Adds the pressures that differ from the gauge pressure: the dynamic one under gravity, the absolute one."""
-    names = ["dynamic_pressure"] * any(scene.gravity) + ["absolute_pressure"] * (scene.liquid.atmospheric_pressure > 0)
+    of_one = any(scene.gravity) and scene.second_liquid is None
+    names = ["dynamic_pressure"] * of_one + ["absolute_pressure"] * (scene.liquid.atmospheric_pressure > 0)
     if not names:
         return None
     completed = with_pressures(scene)

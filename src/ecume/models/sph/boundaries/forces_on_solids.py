@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from typing import NamedTuple
+from typing import NamedTuple, cast
 
 import numpy as np
 
@@ -39,6 +39,8 @@ class PairForces(NamedTuple):
     """Pa: the part of the pressure that is not completed"""
     completed: bool
     """whether friction is increased where neighbors are missing at a surface"""
+    contrast: float
+    """of two liquids: see `sums_of_two`; zero for one liquid"""
 
 
 @compiled_inside
@@ -184,7 +186,9 @@ def press(
                 if corrected:
                     fx, fy, fz = _corrected(fields, i, j, (dx, dy, dz), (both, damps, forces.spreading))
                 else:
-                    both *= fields[FIELD.force_term, i] + fields[FIELD.force_term, j] + damps
+                    share = forces.contrast * (fields[FIELD.kind, i] - fields[FIELD.kind, j])
+                    own, push = fields[FIELD.force_term, i], fields[FIELD.force_term, j]
+                    both *= own + push + share * (own - push) + damps
                     fx, fy, fz = both * dx, both * dy, both * dz
             if rubs and fields[FIELD.viscosity, i] * fields[FIELD.viscosity, j] > 0.0:
                 if completes:
@@ -209,6 +213,7 @@ def forces_on(
         corrected=parameters.pressure_force.corrected,
         spreading=parameters.spreading_pressure,
         completed=friction is not None and friction.corrected,
+        contrast=cast(float, (*parameters.contrast, parameters.precision(0.0))[0]),
     )
     press(workspace.fields.table, mine, group, lists, constants, forces, force)
     return force

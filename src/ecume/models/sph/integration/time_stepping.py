@@ -117,7 +117,7 @@ def divisions_needed(parameters: Parameters, state: State) -> int:
     speed, force = largest(state.velocity), largest(state.acceleration)
     if not (math.isfinite(speed) and math.isfinite(force)):
         return MOST_DIVISIONS + 1
-    sound = parameters.material.sound_speed
+    sound = max(each.sound_speed for each in parameters.materials)
     if math.isfinite(sound):
         longest = min(acoustic_limit(h, sound, speed, parameters.courant), force_limit(h, force))
     else:

@@ -17,7 +17,7 @@ from ecume._jit import admit, by_type, compiled_inside, inlined, prange, spread
 from ecume.engine.cells import Images, Integers
 from ecume.engine.neighbor_rows import Lists
 from ecume.laws import states
-from ecume.models.sph.fields import FIELD, ConstantDensity, Constants, EquationOfState, Floats, Tait
+from ecume.models.sph.fields import FIELD, ConstantDensity, Constants, EquationOfState, Floats, Liquid, Tait, TwoLiquids
 from ecume.models.sph.rates.kernel_loops import value_of
 from ecume.units import Array
 
@@ -52,10 +52,28 @@ def constant_at_enthalpy(enthalpy: float, liquid: ConstantDensity) -> tuple[floa
     return liquid.density, liquid.density * enthalpy
 
 
+@compiled_inside
+def the_liquid(kind: float, liquid: Liquid) -> Liquid:
+    """The liquid of a tank that has no other."""
+    return liquid
+
+
+@compiled_inside
+def one_of_two(kind: float, liquids: TwoLiquids) -> Tait:
+    """The liquid of this kind, 1 or 2."""
+    if kind > 1.5:
+        return Tait(liquids.second_sound_speed, liquids.second_exponent, liquids.second_density)
+    return Tait(liquids.sound_speed, liquids.exponent, liquids.density)
+
+
 STATES: dict[type, Callable[..., tuple[float, float, float]]] = {Tait: tait_state, ConstantDensity: constant_state}
 STATES_AT_ENTHALPY: dict[type, Callable[..., tuple[float, float]]] = {
     Tait: tait_at_enthalpy, ConstantDensity: constant_at_enthalpy,
 }  # fmt: skip
+LIQUIDS: dict[type, Callable[..., Liquid]] = {
+    Tait: the_liquid, ConstantDensity: the_liquid, TwoLiquids: one_of_two,
+}  # fmt: skip
+liquid_at = by_type(LIQUIDS.__getitem__)
 state_of = by_type(STATES.__getitem__)
 state_at_enthalpy = by_type(STATES_AT_ENTHALPY.__getitem__)
 
@@ -72,7 +90,7 @@ def fill_liquid(
             fields[FIELD.position + axis, i] = position[axis, i] - origin[axis]
             fields[FIELD.velocity + axis, i] = velocity[axis, i]
             fields[FIELD.friction_velocity + axis, i] = velocity[axis, i]
-        own, push, enthalpy = state_of(density[i], pressure[i], liquid)
+        own, push, enthalpy = state_of(density[i], pressure[i], liquid_at(fields[FIELD.kind, i], liquid))
         fields[FIELD.density, i] = own
         fields[FIELD.volume, i] = mass[i] / own
         fields[FIELD.pressure, i] = push
@@ -115,8 +133,8 @@ def _mirror(fields: Floats, i: int, image: int, side: Array, holds: bool, pull: 
     """Fill the entries of a mirrored particle. Its enthalpy is that of its source plus the hydrostatic difference. For
     friction, a no-slip wall reverses the whole velocity; for the equation of continuity, only the normal component.
     """
-    dimension = len(pull)
-    c0, rho0 = liquid.sound_speed, liquid.density
+    dimension, mine = len(pull), liquid_at(fields[FIELD.kind, i], liquid)
+    c0, rho0 = mine.sound_speed, mine.density
     away, through, drift, pull_through, steep = 0.0, 0.0, 0.0, 0.0, 0.0
     for axis in range(dimension):
         normal = side[dimension + axis]
@@ -140,7 +158,7 @@ def _mirror(fields: Floats, i: int, image: int, side: Array, holds: bool, pull: 
         _mirror_correction(fields, i, image, side, dimension)
     enthalpy = fields[FIELD.enthalpy, i] - 2.0 * away * pull_through
     mass = fields[FIELD.volume, i] * fields[FIELD.density, i]
-    density, push = state_at_enthalpy(enthalpy, liquid)
+    density, push = state_at_enthalpy(enthalpy, mine)
     fields[FIELD.enthalpy, image] = enthalpy
     fields[FIELD.density, image] = density
     fields[FIELD.pressure, image] = push
@@ -148,6 +166,7 @@ def _mirror(fields: Floats, i: int, image: int, side: Array, holds: bool, pull: 
     fields[FIELD.viscosity, image] = fields[FIELD.viscosity, i]
     fields[FIELD.damping, image] = fields[FIELD.damping, i]
     fields[FIELD.liquid, image] = fields[FIELD.liquid, i]
+    fields[FIELD.kind, image] = fields[FIELD.kind, i]
 
 
 @inlined

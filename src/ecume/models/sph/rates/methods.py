@@ -11,7 +11,7 @@ from typing import Literal, NamedTuple
 import numpy as np
 
 from ecume.laws import density_diffusion, viscous
-from ecume.models.sph.fields import FIELD, ConstantDensity, EquationOfState, Fields, Tait
+from ecume.models.sph.fields import FIELD, ConstantDensity, Fields, Liquid, Tait
 from ecume.models.sph.rates.corrections import (
     CORRECTED_CONTINUITY,
     CORRECTED_FRICTION,
@@ -20,6 +20,7 @@ from ecume.models.sph.rates.corrections import (
 )
 from ecume.models.sph.rates.neighbor_sums import NeighborSum
 from ecume.models.sph.rates.sums import CONTINUITY, FRICTION, PRESSURE, RADIAL_FRICTION, RATES, TRANSPORTED_PRESSURE
+from ecume.models.sph.rates.sums_of_two import ALL_RATES_OF_TWO, CONTINUITIES_OF_TWO, PRESSURE_OF_TWO
 from ecume.units import Array
 
 Law = Callable[..., float]
@@ -28,7 +29,7 @@ Law = Callable[..., float]
 class PressureMethod(NamedTuple):
     """A method to compute the pressure, and the capabilities that it offers to other options."""
 
-    equation: type[EquationOfState]
+    equation: type[Liquid]
     integrator: str
     """the default integrator, a key of `time_stepping.INTEGRATORS`"""
     has: frozenset[str]
@@ -70,7 +71,7 @@ class PressureForce(NamedTuple):
     @property
     def corrected(self) -> bool:
         """Whether gradients are completed where neighbors are missing."""
-        return self.continuity is not CONTINUITY
+        return self.continuity is CORRECTED_CONTINUITY
 
     def damping_shares(self, fields: Fields, count: int) -> Array:
         """The factor (N,) of the acoustic damping of each of the first particles: less than 1 where gradients are
@@ -131,6 +132,11 @@ PRESSURE_FORCES: Mapping[str, PressureForce] = {
         continuity=CORRECTED_CONTINUITY,
     ),
 }
+SUM_OF_TWO = PressureForce(
+    by_mass=False, per_volume=True, transported=False, sum=PRESSURE_OF_TWO, both=ALL_RATES_OF_TWO, most_damping=2.0,
+    continuity=CONTINUITIES_OF_TWO,
+)  # fmt: skip
+"""The row "sum" where there are two liquids."""
 FRICTIONS: Mapping[str, Friction] = {
     "morris": Friction(radial=False, sum=FRICTION, law=viscous.morris_friction),
     "monaghan": Friction(radial=True, sum=RADIAL_FRICTION, law=viscous.radial_friction),

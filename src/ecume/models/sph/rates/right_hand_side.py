@@ -35,7 +35,7 @@ def evaluate_density_rate(parameters: Parameters, state: State, workspace: Works
     """Evaluate the rate of density at the present positions."""
     parameters = with_moved_solids(parameters, state)
     fill(parameters, state, workspace)
-    _sum_stretch(parameters, workspace)
+    _sum_stretch(parameters, state, workspace)
     _store_density_rate(parameters, state, workspace)
 
 
@@ -77,28 +77,34 @@ def evaluate_rates(parameters: Parameters, state: State, workspace: Workspace, t
     fill(parameters, state, workspace)
     both = parameters.pressure_force.both
     if both is None:
-        _sum_stretch(parameters, workspace)
+        _sum_stretch(parameters, state, workspace)
         _sum_pressure(parameters, workspace)
     else:
         diffusion = parameters.density_diffusion
-        evaluate_sum(both[None if diffusion.excess is None else diffusion.row], parameters, workspace)
-        _correct_diffusion(parameters, workspace)
+        chosen = both[None if diffusion.excess is None else diffusion.row]
+        evaluate_sum(chosen, parameters, workspace, settings=parameters.contrast)
+        _correct_diffusion(parameters, state, workspace)
     _store_density_rate(parameters, state, workspace)
     _store_acceleration(parameters, state, workspace, time)
 
 
-def _sum_stretch(parameters: Parameters, workspace: Workspace) -> None:
-    evaluate_sum(parameters.pressure_force.continuity[parameters.density_diffusion.row], parameters, workspace)
-    _correct_diffusion(parameters, workspace)
+def _sum_stretch(parameters: Parameters, state: State, workspace: Workspace) -> None:
+    chosen = parameters.pressure_force.continuity[parameters.density_diffusion.row]
+    evaluate_sum(chosen, parameters, workspace, settings=parameters.contrast)
+    _correct_diffusion(parameters, state, workspace)
 
 
-def _correct_diffusion(parameters: Parameters, workspace: Workspace) -> None:
+def _correct_diffusion(parameters: Parameters, state: State, workspace: Workspace) -> None:
     if parameters.density_diffusion.gradients:
         evaluate_sum(GRADIENT_DIFFUSION, parameters, workspace)
+    if parameters.second is not None:  # enthalpy diffuses with 2 delta h rho/c
+        first = parameters.material.density / parameters.material.sound_speed
+        for liquid, who in parameters.parts(state.region):
+            workspace.rates.diffusion[who] *= liquid.density / liquid.sound_speed / first
 
 
 def _sum_pressure(parameters: Parameters, workspace: Workspace) -> None:
-    settings: tuple[float, ...] = ()
+    settings = parameters.contrast
     if parameters.pressure_force.corrected:
         settings = (cast(float, parameters.precision(parameters.spreading_pressure)),)
     evaluate_sum(parameters.pressure_force.sum, parameters, workspace, settings=settings)
@@ -197,7 +203,8 @@ def fill(parameters: Parameters, state: State, workspace: Workspace) -> None:
     count = state.position.shape[1]
     real = len(lists.counts)
     by_mass, gradients = parameters.pressure_force.by_mass, parameters.density_diffusion.gradients
-    of_liquid = state.position, state.velocity, state.density, state.density_rate, state.pressure, state.mass
+    rate = damped_rate(parameters, state)
+    of_liquid = state.position, state.velocity, state.density, rate, state.pressure, state.mass
     fill_liquid(table, *of_liquid, parameters.origin, by_mass, parameters.bulk_viscosity, parameters.equation_of_state)
     if parameters.background > 0.0:
         fields.transport[: parameters.dimension, :count] = state.transport
@@ -220,6 +227,16 @@ def fill(parameters: Parameters, state: State, workspace: Workspace) -> None:
         fill_images(images.source, *of_images)
     if fields.shape[1] > count:
         fill_weights(table, count, by_mass)
+
+
+def damped_rate(parameters: Parameters, state: State) -> Array:
+    """The rate of density, times the ratio of the liquid's bulk viscosity to that of liquid 1."""
+    if parameters.second is None:
+        return state.density_rate
+    rate = state.density_rate.copy()
+    for liquid, who in parameters.parts(state.region):
+        rate[who] *= parameters.damping_ratio(liquid)
+    return rate
 
 
 def _read_liquid(parameters: Parameters, state: State, workspace: Workspace) -> None:

@@ -1,6 +1,7 @@
 """Surface tension between the particles of the liquid: the continuum surface force (CSF), or cohesion.
 
 There is no gas. Images behind walls count as liquid, so that the contact angle at a mirror is 90 degrees without more.
+Of two liquids the denser one has the color: the tension is that of the interface.
 
 The continuum surface force is the gradient of an energy, sigma int psi(c) |grad c| dV, summed over nodes. The color c
 and its gradient are summed at the nodes of a fixed square (cubic) grid from all particles around; the energy is a sum
@@ -36,7 +37,7 @@ from ecume.engine.vectors import Vector, add_vector, axpy, dot, zeros
 from ecume.laws import kernels, tension
 from ecume.laws.kernels import kernel
 from ecume.models.sph.fields import FIELD, Floats, Numbers
-from ecume.models.sph.parameters import Parameters
+from ecume.models.sph.parameters import Material, Parameters
 from ecume.models.sph.rates.neighbor_sums import Particle, Reading, neighbor_sum
 from ecume.models.sph.rates.sum_evaluation import evaluate_sum
 from ecume.models.sph.state import State, Workspace
@@ -95,11 +96,18 @@ def colors_of(parameters: Parameters, workspace: Workspace) -> Colors:
     position = np.zeros((3, fields.shape[1]))
     position[:dimension] = fields.position[:dimension]
     # Columns of solids have no density.
-    wet = fields.density * fields.volume / parameters.material.density
+    wet = fields.density * fields.volume / colored(parameters).density
+    if parameters.second is not None:
+        wet = np.where(fields.kind == 1.0 + (colored(parameters) is parameters.second.material), wet, 0.0)
     dry = solid_colors(parameters, workspace) * fields.volume
     volume = np.where(fields.liquid > 0.0, wet, dry).astype(np.float64)
     grid = grid_around(parameters, position[:, : workspace.rates.shape[1]])
     return Colors(position, volume, grid, nodes_of(parameters, position, volume, grid))
+
+
+def colored(parameters: Parameters) -> Material:
+    """The liquid whose color makes the contours: of two the denser one, which forces accelerate less."""
+    return max(parameters.materials, key=lambda liquid: liquid.density)
 
 
 def nodes_of(parameters: Parameters, position: Array, volume: Array, grid: Grid) -> Array:
@@ -178,7 +186,8 @@ def alone(parameters: Parameters, workspace: Workspace) -> bool:
 
 def node_share(parameters: Parameters) -> float:
     """The factor sigma a^d of a node's energy."""
-    return parameters.material.surface_tension * (NODES * parameters.spacing) ** parameters.dimension
+    material = parameters.material if parameters.second is None else parameters.second.material
+    return material.surface_tension * (NODES * parameters.spacing) ** parameters.dimension
 
 
 def give_back(parameters: Parameters, workspace: Workspace, force: Array) -> None:

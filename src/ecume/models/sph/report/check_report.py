@@ -29,6 +29,7 @@ from ecume.models.sph.setup.choices import (
     filled,
     free_surface,
     gravity_of,
+    liquid_in,
     makes_waves,
     material_rows,
     sides_of,
@@ -390,7 +391,18 @@ def _liquid(scene: SphScene, parameters: Parameters) -> list[Row]:
             "" if scene.liquid.maximum_speed else "estimated; liquid.maximum_speed sets it",
         ),
         *(sound_rows(scene, material) if parameters.projection is None else solver_rows(parameters)),
+        *_second_liquid(scene, parameters),
     ]
+
+
+def _second_liquid(scene: SphScene, parameters: Parameters) -> list[Row]:
+    """The rows on another liquid: its properties, and how stiff it is."""
+    if parameters.second is None or scene.second_liquid is None:
+        return []
+    material = parameters.second.material
+    rows = [*material_rows(scene.second_liquid.alone), *sound_rows(scene, material)]
+    names = {"surface tension": "interface tension"}
+    return [(f"second liquid: {names.get(name, name)}", value, remark) for name, value, remark in rows]
 
 
 def sound_rows(scene: SphScene, material: Material) -> list[Row]:
@@ -398,7 +410,7 @@ def sound_rows(scene: SphScene, material: Material) -> list[Row]:
     return [
         ("sound speed", with_prefix(material.sound_speed, "m/s"), "of the numerical liquid"),
         ("Mach number", f"{material.fastest / material.sound_speed:.2g}", "to be expected"),
-        compression_row(weight_enthalpy(scene), material),
+        compression_row(weight_enthalpy(scene) * heaviest(scene) / material.density, material),
     ]
 
 
@@ -443,6 +455,11 @@ def compression_row(weight: float, material: Material) -> Row:
     else:
         remark = f"{100.0 * at_rest:.2g} % by its weight at rest, {100.0 * moving:.2g} % by its motion"
     return ("compression", f"{100.0 * (at_rest + moving):.2g} %", remark)
+
+
+def heaviest(scene: SphScene) -> float:
+    """The density (kg/m^3) of the densest liquid, whose weight may compress the others."""
+    return max(liquid_in(region, scene).density or 0.0 for region in scene.fluid)
 
 
 def _tension(scene: SphScene, parameters: Parameters) -> list[Row]:

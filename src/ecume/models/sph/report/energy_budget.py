@@ -53,11 +53,14 @@ def energies(parameters: Parameters, state: State, propped: float, surface: floa
     """The kinetic, potential, elastic (with the repulsion of walls) and surface energy, and the energy of the bodies
     (J); the acceleration of a shaken tank counts as work.
     """
-    material, waves = parameters.material, parameters.pressure_method.compressible
-    laws = material.density, material.sound_speed, material.exponent
+    waves = parameters.pressure_method.compressible
     kinetic = 0.5 * float(np.sum(state.mass * (state.velocity**2).sum(axis=0)))
     potential = potential_of(parameters, state.mass, state.position)
-    stored = float(np.sum(state.mass * elastic_energies(state.density, *laws))) if waves else 0.0
+    stored = sum(
+        float(np.sum(state.mass[who] * elastic_energies(state.density[who], *liquid.laws)))
+        for liquid, who in parameters.parts(state.region)
+        if waves
+    )
     elastic = stored + propped
     bodies = energy_of_bodies(parameters, state.pose, state.motion)
     return {
@@ -179,7 +182,11 @@ def add_diffusion_work(parameters: Parameters, state: State, workspace: Workspac
     fields, rates, count = workspace.fields, workspace.rates, len(state.density)
     rows = state.mass, state.density, fields.pressure[:count], rates.diffusion[:count], state.density_rate
     damping = parameters.bulk_viscosity * parameters.pressure_force.damping_shares(fields, count)
-    work = diffusion_work(*rows, state.zone, parameters.material.sound_speed, damping, time)
+    work = 0.0
+    for liquid, who in parameters.parts(state.region):
+        mass, density, pressure, diffusion, rate = (each[who] for each in rows)
+        zone, bulk = state.zone[who], damping[who] * parameters.damping_ratio(liquid)
+        work += diffusion_work(mass, density, pressure, diffusion, rate, zone, liquid.sound_speed, bulk, time)
     state.budget[WORK] += work
     state.numerical[WORK] += work
 

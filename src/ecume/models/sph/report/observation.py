@@ -396,6 +396,8 @@ def observe(parameters: Parameters, state: State, workspace: Workspace) -> Frame
         "mass": state.mass[order],
         "species": state.region[order],
     }
+    if parameters.second is not None:
+        arrays["liquid"] = parameters.second.kind[state.region[order]].astype(np.int64)
     periods = np.abs(parameters.boundary.sides.shift).max(axis=0, initial=0.0)
     if periods.any() and state.image.size:
         arrays["image"] = np.ascontiguousarray(state.image[:, order].T)
@@ -417,13 +419,17 @@ def observe(parameters: Parameters, state: State, workspace: Workspace) -> Frame
     if parameters.projection is not None:
         listed |= of_solver(parameters, state)
         units |= dict.fromkeys(of_solver(parameters, state), "1")
+    if parameters.second is not None:
+        listed |= of_liquids(parameters, state)
+        units |= {name: "m" if "center" in name else "m/s" for name in of_liquids(parameters, state)}
     if has_external_work(parameters):
         listed[INJECTED] = float(state.budget[WORK])
     if has_numerical_work(parameters):
         listed[NUMERICAL] = float(state.numerical[WORK])
     units |= {name: "J" for name in (INJECTED, NUMERICAL, "bodies_energy") if name in listed}
     box = {name: side for name, side in zip(BOX_SIDES, periods.tolist(), strict=False) if side > 0.0}
-    listed, units = listed | box, units | dict.fromkeys(box, "m") | {name: "1" for name in arrays if name == "image"}
+    counts = {name: "1" for name in arrays if name in ("image", "liquid")}
+    listed, units = listed | box, units | dict.fromkeys(box, "m") | counts
     units = in_dimension({**ARRAY_UNITS, **NUMBER_UNITS, **units, **read_units}, parameters.dimension)
     return Frame(time, arrays, {**listed, **solid, **read}, units)
 
@@ -444,6 +450,7 @@ def passive_arrays(parameters: Parameters, state: State, workspace: Workspace) -
         "mass": np.zeros(count),
         "species": tracers.regions + group,
         **({"image": state.passive_image.T} if state.passive_image.size else {}),
+        **({"liquid": np.zeros(count, np.int64)} if parameters.second is not None else {}),
     }
 
 
@@ -510,6 +517,21 @@ def turned_since(now: Array, start: Array) -> Array:
     )
 
 
+LIQUIDS = ("first", "second")
+"""The names of two liquids in scenes and numbers of frames."""
+
+
+def of_liquids(parameters: Parameters, state: State) -> dict[str, float]:
+    """The center of mass of each of two liquids, and its velocity."""
+    found: dict[str, float] = {}
+    for name, (_, who) in zip(LIQUIDS, parameters.parts(state.region), strict=True):
+        mass = state.mass[who]
+        for axis, letter in enumerate("xyz"[: parameters.dimension]):
+            found[f"{name}_center_{letter}"] = dot(mass, state.position[axis, who]) / float(np.sum(mass))
+            found[f"{name}_velocity_{letter}"] = dot(mass, state.velocity[axis, who]) / float(np.sum(mass))
+    return found
+
+
 def of_solver(parameters: Parameters, state: State) -> dict[str, float]:
     """The iterations since the start, the largest number in a substep, and the mean excess of density."""
     excess = np.maximum(state.density / parameters.material.density - 1.0, 0.0)
@@ -522,10 +544,11 @@ def of_solver(parameters: Parameters, state: State) -> dict[str, float]:
 
 def pressure_in(parameters: Parameters, state: State) -> Array:
     """The pressure (N,) in Pa: of Tait's equation, or of the solver for incompressible liquids."""
-    material = parameters.material
     if parameters.projection is not None:
         return state.pressure.copy()
-    found: Array = tait_pressure(state.density, material.density, material.sound_speed, material.exponent)
+    found = np.empty_like(state.density)
+    for liquid, who in parameters.parts(state.region):
+        found[who] = tait_pressure(state.density[who], *liquid.laws)
     return found
 
 
@@ -557,7 +580,7 @@ def motion(state: State) -> Mapping[str, float]:
 
 def extremes(parameters: Parameters, state: State) -> Mapping[str, float]:
     """Extent, largest speed, pressure and density change, and counts of substeps and exchanged particles."""
-    change = np.abs(state.density / parameters.material.density - 1.0)
+    change = np.abs(state.density / parameters.of_each("density", state.region) - 1.0)
     return {
         "front": state.position[0].max(),
         "top": state.position[up_axis(parameters)].max(),
@@ -601,7 +624,7 @@ def _rows(scene: SphScene, parameters: Parameters) -> Iterator[Invariant]:
         yield at_most("mass", "particles that are lost", "particles_lost", 0.0)
     yield at_most("density", "its largest change, over the density at rest", "density_change", SQUEEZED)
     if parameters.projection is None:
-        sound = parameters.material.sound_speed
+        sound = min(each.sound_speed for each in parameters.materials)
         says = "the Mach number; set liquid.maximum_speed to the speed that is reached"
         yield Invariant("sound", says, MACH, lambda seen: seen.largest["largest_speed"] / sound)
 

@@ -27,10 +27,11 @@ from ecume.laws.time_step_limits import (
 )
 from ecume.laws.viscous import acoustic_damping
 from ecume.laws.yield_stress import apparent_viscosity
+from ecume.models.sph.fields import EquationOfState, TwoLiquids
 from ecume.models.sph.incompressible import projection_of, require_suitable
 from ecume.models.sph.integration.time_stepping import INTEGRATORS, LATE
-from ecume.models.sph.parameters import CarriedGroup, Material, Parameters, PassiveTracers, Rheology
-from ecume.models.sph.rates.methods import DIFFUSIONS
+from ecume.models.sph.parameters import CarriedGroup, Material, Parameters, PassiveTracers, Rheology, SecondLiquid
+from ecume.models.sph.rates.methods import DIFFUSIONS, PressureMethod
 from ecume.models.sph.rates.surface_tension import TENSIONS
 from ecume.models.sph.report.observation import gauges_of, reference_of
 from ecume.models.sph.setup.choices import (
@@ -49,6 +50,7 @@ from ecume.models.sph.setup.choices import (
     gravity_of,
     held_pull,
     kernel_of,
+    liquid_in,
     modified,
     pressure_force_of,
     pressure_of,
@@ -61,6 +63,7 @@ from ecume.models.sph.setup.choices import (
 )
 from ecume.models.sph.setup.initial_particles import velocity_in
 from ecume.models.sph.setup.packing import shifting_limit
+from ecume.models.sph.setup.second_liquid import require_two_liquids
 from ecume.models.sph.setup.shapes import part_of, shape_of
 from ecume.models.sph.setup.walls_and_bodies import (
     base_excitation_of,
@@ -76,7 +79,7 @@ from ecume.models.sph.setup.walls_and_bodies import (
     open_boundaries_of,
 )
 from ecume.models.step_counts import ending_on_a_step
-from ecume.scenes.sph import BodySpec, SphScene
+from ecume.scenes.sph import BodySpec, FluidSpec, SphScene
 from ecume.scenes.sph.scene import RheologySpec
 from ecume.units import Array
 
@@ -85,10 +88,32 @@ NUMERICAL_MACH = 0.1
 
 def material_of(scene: SphScene) -> Material:
     """The liquid with its speed of sound."""
-    given = filled(scene.liquid)
-    fastest = given.maximum_speed or fastest_of(scene)
-    waves = pressure_of(scene).compressible
-    sound = given.sound_speed or (fastest / NUMERICAL_MACH if waves else math.inf)
+    return _material(scene, filled(scene.liquid), filled(scene.liquid).maximum_speed or fastest_of(scene))
+
+
+def second_of(scene: SphScene, material: Material) -> SecondLiquid | None:
+    """The other liquid, or None."""
+    if scene.second_liquid is None:
+        return None
+    require_two_liquids(scene)
+    kind = np.array([1.0 + (region.liquid == "second") for region in scene.fluid])
+    return SecondLiquid(_material(scene, filled(scene.second_liquid.alone), material.fastest), kind)
+
+
+def materials_of(scene: SphScene, material: Material) -> tuple[Material, ...]:
+    """The liquids of a tank, of which this is the first."""
+    second = second_of(scene, material)
+    return (material,) if second is None else (material, second.material)
+
+
+def _material(scene: SphScene, given: FluidSpec, fastest: float) -> Material:
+    """A liquid. Two are equally stiff by default, rho c^2: with one speed of sound the weight of a dense liquid would
+    compress a light one below it.
+    """
+    densest = max(liquid_in(region, scene).density or 0.0 for region in scene.fluid)
+    sound = given.sound_speed or fastest / NUMERICAL_MACH * math.sqrt(densest / (given.density or densest))
+    if not pressure_of(scene).compressible:
+        sound = given.sound_speed or math.inf
     return Material(
         density=given.density or 0.0,
         sound_speed=sound,
@@ -206,8 +231,8 @@ def capillary_speed(scene: SphScene, bounds: list[tuple[Array, Array]]) -> float
     if tension_of(scene) == "none":
         return 0.0
     narrowest = min(float((high - low).min()) for low, high in bounds)
-    liquid = filled(scene.liquid)
-    tension = liquid.surface_tension or 0.0
+    liquid = max((liquid_in(region, scene) for region in scene.fluid), key=lambda each: each.density or WATER)
+    tension = (liquid if scene.second_liquid is None else scene.second_liquid.alone).surface_tension or 0.0
     pressure = laplace_pressure(tension, 0.5 * narrowest, len(scene.tank.low))
     support = kernel_of(scene).support * smoothing_of(scene)
     pressure += TENSIONS[tension_of(scene)].inner_pressure * tension / support
@@ -220,6 +245,7 @@ def parameters_of(scene: SphScene) -> Parameters:
     require_suitable(scene, pressure)
     shape, smoothing = kernel_of(scene), smoothing_of(scene)
     support = shape.support * smoothing
+    second = second_of(scene, material)
     time_step, per_frame = steps_of(scene, material)
     held = held_pull(scene) * (not modified(scene))
     boundary = boundary_of(scene, material, support)
@@ -231,7 +257,7 @@ def parameters_of(scene: SphScene) -> Parameters:
         dimension=len(scene.tank.low),
         spacing=scene.spacing,
         material=material,
-        equation_of_state=pressure.equation(material.sound_speed, material.exponent, material.density),
+        equation_of_state=equation_of(material, second, pressure),
         gravity=gravity_of(scene) * (not modified(scene)),
         hydrostatic=gravity_of(scene) * (method.pressure_split != "none"),
         surface=max(float(part_of(region, scene.spacing).bounds()[1][scene.up_axis]) for region in scene.fluid),
@@ -275,8 +301,18 @@ def parameters_of(scene: SphScene) -> Parameters:
         else method.nonnegative_wall_pressure,
         fixed_volume=pressure.compressible and fixed_volume(scene),
         precision=PRECISIONS[method.precision],
+        second=second,
         origin=0.5 * (np.array(scene.tank.low) + np.array(scene.tank.high)) * (method.precision == "single"),
     )
+
+
+def equation_of(material: Material, second: SecondLiquid | None, pressure: PressureMethod) -> EquationOfState:
+    """The constants of the equation of state."""
+    own = material.sound_speed, material.exponent, material.density
+    if second is None:
+        return pressure.equation(*own)
+    other = second.material
+    return TwoLiquids(*own, other.sound_speed, other.exponent, other.density)
 
 
 def central_force_of(scene: SphScene) -> tuple[float, Array]:
@@ -335,9 +371,20 @@ BODIES, DAMPING = "the lightest body", "acoustic damping"
 
 
 def limits_of(scene: SphScene, material: Material, bulk_viscosity: float) -> dict[str, float]:
-    """The longest time step (s) for each limit; infinite if a limit does not apply."""
+    """The longest time step (s) for each limit, in any liquid; infinite if a limit does not apply."""
+    stiffness, found = material.density * material.sound_speed, list[dict[str, float]]()
+    for liquid in materials_of(scene, material):
+        ratio = liquid.density * liquid.sound_speed / stiffness if bulk_viscosity else 1.0
+        found.append(_limits_in(scene, liquid, ratio * bulk_viscosity))
+    return {name: min(limits[name] for limits in found) for name in found[0]}
+
+
+def _limits_in(scene: SphScene, material: Material, bulk_viscosity: float) -> dict[str, float]:
     h, courant = smoothing_of(scene), scene.integration.courant_number
     tension = material.surface_tension if tension_of(scene) != "none" else 0.0
+    if scene.second_liquid is not None:  # the force acts on the denser liquid
+        tension = scene.second_liquid.interface_tension
+        tension *= material.density == max(liquid_in(region, scene).density or 0.0 for region in scene.fluid)
     return {
         **speed_limit(h, material, courant),
         "viscosity": viscous_limit(h, material.viscosity / material.density),

@@ -37,6 +37,7 @@ from ecume.models.sph.rates.methods import (
     FRICTIONS,
     PRESSURE_FORCES,
     PRESSURES,
+    SUM_OF_TWO,
     Friction,
     PressureForce,
     PressureMethod,
@@ -45,8 +46,7 @@ from ecume.models.sph.rates.shifting import SHIFTINGS
 from ecume.models.sph.rates.surface_tension import TENSIONS
 from ecume.models.sph.setup.shapes import part_of, solid_of
 from ecume.scenes.faults import suggestion
-from ecume.scenes.sph import BodySpec, FluidSpec, ObstacleSpec, SphScene
-from ecume.scenes.sph.sources import ParticlesSpec
+from ecume.scenes.sph import BodySpec, FluidSpec, ObstacleSpec, RegionSpec, SphScene
 from ecume.scenes.sph.tank import SideSpec
 from ecume.units import Array
 
@@ -158,7 +158,7 @@ def artificial_viscosity_of(scene: SphScene) -> float:
     given = scene.method.artificial_viscosity
     if given is None:
         spared = makes_waves(scene) and acoustic_damping_of(scene) >= USUAL_DAMPING
-        return USUAL_ALPHA * (not scene.liquid.sticks and not spared)
+        return USUAL_ALPHA * (not scene.liquid.sticks and not spared and scene.second_liquid is None)
     return given
 
 
@@ -175,10 +175,11 @@ is critically damped.
 
 
 def impacts_dissipate(scene: SphScene) -> bool:
-    """Whether the method dissipates the sound of impacts: with a free surface and a compressible liquid, unless the
-    scene sets the artificial viscosity to zero.
+    """Whether the method dissipates the sound of impacts: with a free surface, or an interface, and a compressible
+    liquid, unless the scene sets the artificial viscosity to zero.
     """
-    hits = pressure_of(scene).compressible and free_surface(scene) and scene.tank.walls != "reflect"
+    moves = free_surface(scene) or scene.second_liquid is not None
+    hits = pressure_of(scene).compressible and moves and scene.tank.walls != "reflect"
     return hits and scene.method.artificial_viscosity != 0.0
 
 
@@ -197,6 +198,8 @@ def diffusion_of(scene: SphScene, pull: Array) -> str:
     name = scene.method.density_diffusion
     if name == "automatic" and not pressure_of(scene).compressible:
         return "none"
+    if name == "automatic" and scene.second_liquid is not None:
+        return "hydrostatic"
     if name == "automatic":
         uniform = (pull.any() or scene.base_excitation) and scene.central_force is None
         return "hydrostatic" if uniform and tension_of(scene) != "csf" else "antuono"
@@ -205,6 +208,8 @@ def diffusion_of(scene: SphScene, pull: Array) -> str:
 
 def pressure_force_of(scene: SphScene) -> PressureForce:
     """The form of the pressure force."""
+    if scene.second_liquid is not None and scene.method.pressure_force == "sum":
+        return SUM_OF_TWO
     return PRESSURE_FORCES[chosen(scene.method.pressure_force, PRESSURE_FORCES, "method.pressure_force")]
 
 
@@ -258,19 +263,19 @@ def _lacking(room: tuple[Any, ...], spacing: float) -> float:
 
 def full(scene: SphScene) -> bool:
     """Whether liquid and solids fill the tank: by their volume, since liquid may touch all sides of a tank with air."""
-    tables = [region.particles for region in scene.fluid if region.particles is not None]
-    single = sum(_volume_of(table, scene) for table in tables)
+    single = sum(_volume_of(region, scene) for region in scene.fluid if region.particles is not None)
     shapes = tuple(region for region in scene.fluid if region.particles is None)
     lacking = _lacking((scene.tank, shapes, (*scene.obstacles, *scene.bodies), single), scene.spacing)
     volume = math.prod(high - low for low, high in zip(scene.tank.low, scene.tank.high, strict=True))
     return lacking <= max(SLIGHT, scene.spacing ** len(scene.tank.low) / volume)
 
 
-def _volume_of(table: ParticlesSpec, scene: SphScene) -> float:
+def _volume_of(region: RegionSpec, scene: SphScene) -> float:
     """The volume of single particles: that of lattice cells, where they have no masses."""
-    if not table.masses:
-        return float(len(table.positions) * scene.spacing ** len(scene.tank.low))
-    density = np.array(table.densities or (filled(scene.liquid).density,))
+    table = region.particles
+    if table is None or not table.masses:
+        return 0.0 if table is None else float(len(table.positions) * scene.spacing ** len(scene.tank.low))
+    density = np.array(table.densities or (liquid_in(region, scene).density,))
     return float(np.sum(np.array(table.masses) / density))
 
 
@@ -301,6 +306,8 @@ def shifting_of(scene: SphScene) -> str:
 def tension_of(scene: SphScene) -> str:
     """The model of surface tension by its name. The name of a liquid sets the value, but does not select a model."""
     name = scene.method.surface_tension_model
+    if scene.second_liquid is not None:
+        return "csf" if name != "none" and scene.second_liquid.interface_tension else "none"
     if name == "automatic":
         return "csf" if scene.liquid.surface_tension else "none"
     return chosen(name, TENSIONS, "method.surface_tension_model") if filled(scene.liquid).surface_tension else "none"
@@ -366,6 +373,12 @@ def require_right_split(scene: SphScene) -> None:
     )
     if reason:
         raise SceneError([Fault("method.pressure_split", f"got {split!r}; {reason}; use 'none'")])
+
+
+def liquid_in(region: RegionSpec, scene: SphScene) -> FluidSpec:
+    """The liquid of a region, with density, viscosity and tension."""
+    second = scene.second_liquid
+    return filled(scene.liquid if second is None or region.liquid == "first" else second.alone)
 
 
 WATER = 1000.0

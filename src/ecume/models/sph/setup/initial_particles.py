@@ -11,12 +11,13 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ecume.engine.cells import Integers
 from ecume.engine.outlines import Cloud
 from ecume.engine.shapes import Box, Cells, Flags, Part, Shape, apart, bounds_meet, covered_volume, scaled_to
 from ecume.errors import Fault, SceneError
 from ecume.laws.drops import ball_pressure, patch_pressure
 from ecume.laws.flows import channel_speed, taylor_green_pressure, taylor_green_velocity
-from ecume.laws.states import density_at_enthalpy
+from ecume.laws.states import density_at_enthalpy, tait_density, tait_enthalpy, tait_pressure
 from ecume.laws.water_waves import standing_wave_velocity
 from ecume.models.sph.parameters import Liquid, Material
 from ecume.models.sph.setup.choices import held_pull, modified
@@ -152,8 +153,8 @@ def _deforming(region: RegionSpec, scene: SphScene, points: Array, density: floa
     return np.zeros(len(points))
 
 
-def liquid_of(scene: SphScene, material: Material) -> Liquid:
-    """The particles at the start, with the hydrostatic pressure."""
+def liquid_of(scene: SphScene, material: Material, other: Material | None = None) -> Liquid:
+    """The particles at the start, with the hydrostatic pressure; `other` is a second liquid."""
     pull = np.zeros(len(scene.tank.low)) if modified(scene) else held_pull(scene)
     generator = np.random.default_rng(scene.seed)
     pieces: list[tuple[Array, Array, Array, Array]] = []
@@ -161,36 +162,67 @@ def liquid_of(scene: SphScene, material: Material) -> Liquid:
     found = cells_of(scene)
     parts = [part_of(region, scene.spacing) for region in scene.fluid]
     regions = packed(scene, [cells for cells, _ in found], unaligned_solids(scene))
-    for region, cells, (_, kept) in zip(scene.fluid, regions, found, strict=True):
-        points, shape = cells.centers, part_of(region, scene.spacing)
+    liquids = [other if other is not None and region.liquid == "second" else material for region in scene.fluid]
+    for number, (region, cells, (_, kept)) in enumerate(zip(scene.fluid, regions, found, strict=True)):
+        points, mine = cells.centers, liquids[number]
         head = np.zeros(len(points))
         if pull.any() and scene.method.initial_pressure == "hydrostatic":
-            head = np.linalg.norm(pull) * way_up(points, -pull / np.linalg.norm(pull), shape, parts)
+            ways = ways_up(points, -pull / np.linalg.norm(pull), number, parts)
+            head = head_below(ways, float(np.linalg.norm(pull)), liquids)
         if region.particles is None:
             points = points + scene.method.jitter * scene.spacing * generator.uniform(-1.0, 1.0, points.shape)
-        head += pressure_in(region, scene, points, material.density) / material.density
+        head += pressure_in(region, scene, points, mine.density) / mine.density
         pieces.append((points, velocity_in(region, scene, points), head, cells.volumes))
         given.append(given_values(region, kept))
-    return with_given_values(_particles(scene, material, pieces), given)
+    return with_given_values(_particles(scene, liquids, pieces), given)
 
 
 SEAM = 1e-6
 """Distance beyond the end of a region, relative, within which the next region is connected to it."""
 
 
-def way_up(points: Array, up: Array, own: Part, parts: Sequence[Part]) -> Array:
-    """The height (N,) of liquid above points of a region (m): in that region, and in those on top of it."""
-    way = own.way_out(points, up)
-    ended, rest = np.zeros(len(points), bool), parts
-    while rest and not ended.all():
+def ways_up(points: Array, up: Array, own: int, parts: Sequence[Part]) -> list[tuple[Array, Integers]]:
+    """The heights (N,) of liquid above points of a region (m), and the region of each: first that region, then those on
+    top of it.
+    """
+    way = parts[own].way_out(points, up)
+    found: list[tuple[Array, Integers]] = [(way.copy(), np.full(len(points), own))]
+    ended = np.zeros(len(points), bool)
+    while not ended.all():
         top = points + ((1.0 + SEAM) * way)[:, None] * up
-        more = np.zeros(len(points))
-        for part in rest:
+        more, where = np.zeros(len(points)), np.full(len(points), own)
+        for number, part in enumerate(parts):
             inside = ~ended & (more == 0.0) & part.inside(top)
-            more[inside] = part.way_out(top[inside], up)
+            more[inside], where[inside] = part.way_out(top[inside], up), number
         ended |= more == 0.0
         way += more
-    return way
+        found.append((more, where))
+    return found
+
+
+def head_below(ways: list[tuple[Array, Integers]], pull: float, liquids: Sequence[Material]) -> Array:
+    """The enthalpy (N,) in J/kg below these heights of the liquids of all regions. Where one liquid ends, the other one
+    has the same pressure.
+    """
+    if all(liquid is liquids[0] for liquid in liquids):
+        total = ways[0][0].copy()
+        for way, _ in ways[1:]:
+            total += way
+        return pull * total
+    return np.array(
+        [column_head([(liquids[where[k]], float(way[k])) for way, where in ways], pull) for k in range(len(ways[0][0]))]
+    )
+
+
+def column_head(column: Sequence[tuple[Material, float]], pull: float) -> float:
+    """The enthalpy below a column of liquids with their heights, from the lowest to the highest."""
+    head, above = 0.0, column[-1][0]
+    for liquid, way in reversed(column):
+        if liquid is not above:
+            pressure = tait_pressure(density_at_enthalpy(head, *above.laws), *above.laws)
+            head = tait_enthalpy(tait_density(pressure, *liquid.laws), *liquid.laws)
+        head, above = head + pull * way, liquid
+    return head
 
 
 def cells_of(scene: SphScene) -> list[tuple[Cells, Flags]]:
@@ -312,14 +344,14 @@ def _kept(points: Array, earlier: Sequence[Part], solids: Sequence[Shape]) -> Fl
     return apart(points, others) & free_of(points, solids, 0.0)
 
 
-def _particles(scene: SphScene, material: Material, pieces: list[tuple[Array, Array, Array, Array]]) -> Liquid:
+def _particles(scene: SphScene, liquids: list[Material], pieces: list[tuple[Array, Array, Array, Array]]) -> Liquid:
     """The particles at points with known enthalpy (J/kg) and volume: densities and masses."""
     points, velocity, head, volume = (np.concatenate(parts) for parts in zip(*pieces, strict=True))
     if len(points) == 0:
         raise SceneError([Fault("spacing", f"got {scene.spacing:g} m: no particle fits into the liquid")])
-    laws = material.density, material.sound_speed, material.exponent
-    density = np.array([density_at_enthalpy(each, *laws) for each in head])
-    mass = density * volume
     region = np.repeat(np.arange(len(pieces)), [len(piece[0]) for piece in pieces])
-    pressure = material.density * head
+    laws = [each.laws for each in liquids]
+    density = np.array([density_at_enthalpy(each, *laws[number]) for each, number in zip(head, region, strict=True)])
+    mass = density * volume
+    pressure = np.array([each.density for each in liquids])[region] * head
     return Liquid(np.ascontiguousarray(points.T), np.ascontiguousarray(velocity.T), density, pressure, mass, region)
