@@ -31,7 +31,9 @@ F_ij; at a free surface, the value of a full lattice: what is missing is air, wi
 
 Behind walls pressure continues as at rest under gravity G. That part of the pressures of images and dummies is known,
 and so are its acceleration r and its Laplacian m. At rest div(r + a(p)) = -div G between mirrors, while m + l(p) = 0:
-this is why the two have separate sources, see `known_compression`.
+this is why the two have separate sources, see `known_compression`. Liquid without pressure, such as a jet that rises
+along a wall, bears no weight, and nothing continues: of the pressure of particle i only the share f_i continues so, see
+`continued_shares`. With all of it, dummies would carry half of the weight of a sheet in free flight.
 
 **The solver** (`solve`) is MPRGP, modified proportioning with reduced gradient projections [dostal2005], for A x >= b,
 x >= 0, (A x - b) x = 0: conjugate gradients among the x that are positive, a projected step of fixed length where one
@@ -58,6 +60,7 @@ from ecume.models.sph.boundaries.forces_on_solids import chains_of, roots_of
 from ecume.models.sph.boundaries.rigid_bodies import with_moved_solids
 from ecume.models.sph.fields import FIELD, Constants, Floats
 from ecume.models.sph.parameters import Parameters, Projection
+from ecume.models.sph.rates.fill_fields import fill_weights
 from ecume.models.sph.rates.kernel_loops import KernelType, kernel_type, value_of, written_slope
 from ecume.models.sph.rates.neighbor_sums import INDEX
 from ecume.models.sph.rates.right_hand_side import fill
@@ -171,6 +174,8 @@ class System(NamedTuple):
     """(d, N) m/s^2: the acceleration by the pressures of images and dummies where that of the liquid is zero"""
     held: Array
     """(N,) 1/s^2: the Laplacian l of these pressures"""
+    continued: Array
+    """(N,) f_i"""
     diagonal: Array
     """(N,) 1/Pa: of A"""
     volume: Array
@@ -186,7 +191,7 @@ class System(NamedTuple):
     time: float
 
 
-def assemble(now: Parameters, settings: Projection, workspace: Workspace, time: float) -> System:
+def assemble(now: Parameters, settings: Projection, workspace: Workspace, time: float, continued: Array) -> System:
     """The equation at the present positions, from fields filled with zero pressures."""
     lists, table = workspace.lists, workspace.fields.table
     d, count = now.dimension, workspace.rates.shape[1]
@@ -195,7 +200,7 @@ def assemble(now: Parameters, settings: Projection, workspace: Workspace, time: 
     pull = np.concatenate([now.gravity, now.pull_center - now.origin, [now.pull_rate]])
     sum_gradients(
         closing, table, lists, now.constants, kernel_type(now.constants), pull,
-        (now.material.density, time, settings.full if settings.free_surface else 0.0),
+        (now.material.density, time, settings.full if settings.free_surface else 0.0), continued,
         gradient, resting, slant, compact, summed, held, diagonal,
     )  # fmt: skip
     root, sign = mirrored(now, workspace)
@@ -203,7 +208,7 @@ def assemble(now: Parameters, settings: Projection, workspace: Workspace, time: 
     root = np.where(liquid, root, 0)
     volume = workspace.fields.volume[:count].astype(np.float64)
     return System(
-        gradient, closing, compact, summed, slant, resting, held, diagonal, volume,
+        gradient, closing, compact, summed, slant, resting, held, continued, diagonal, volume,
         volume[root] * liquid, root, sign * liquid, lists, now.material.density, time,
     )  # fmt: skip
 
@@ -222,13 +227,13 @@ def mirrored(now: Parameters, workspace: Workspace) -> tuple[Integers, Array]:
 @summing
 def sum_gradients(
     closing: Array, fields: Floats, lists: Lists, constants: Constants, kernel: KernelType, pull: Array,
-    numbers: tuple[float, float, float], gradient: Array, resting: Array, slant: Array, compact: Array,
+    numbers: tuple[float, float, float], continued: Array, gradient: Array, resting: Array, slant: Array, compact: Array,
     summed: Array, held: Array, diagonal: Array,
 ) -> None:  # fmt: skip
     """Fill g_ij and F_ij, T_i, D_i, the sums of kernels, the acceleration where pressures are zero, the diagonal of A.
 
     `pull` is gravity, then the center and the rate of the central force; `numbers` are the density, the time, and the
-    least D, dummies included.
+    least D, dummies included; `continued` are f_i.
     """
     code, dimension = constants[0].kernel, INDEX(closing.shape[0])
     inverse, scale = constants[0].inverse_length, constants[0].slope_factor
@@ -270,7 +275,7 @@ def sum_gradients(
             gradient[0, row + INDEX(k)] = slope * dx
             gradient[1, row + INDEX(k)] = slope * dy
             gradient[dimension, row + INDEX(k)] = slope
-            push = counted * (liquid * fields[FIELD.pressure, j] * lighter + dummy * rise)
+            push = counted * (liquid * fields[FIELD.pressure, j] * lighter + dummy * continued[i] * rise)
             twice = counted * (one + dummy)
             tx, ty, tz = tx + twice * dx, ty + twice * dy, tz + twice * dz
             sx, sy, sz = sx + counted * dx, sy + counted * dy, sz + counted * dz
@@ -319,10 +324,10 @@ def compressions(system: System, velocity: Array) -> Array:
 
 
 def known_compression(now: Parameters, system: System, position: Array) -> Array:
-    """The mean (N,) in 1/s^2 of the sources c(r) of -c(a(p)) and -c(G) - m of l(p)."""
+    """The mean (N,) in 1/s^2 of the sources c(r) of -c(a(p)) and -f c(G) - m of l(p)."""
     away = position - now.pull_center[:, None]
     gravity = now.gravity[:, None] - now.pull_rate**2 * away
-    both = compressions(system, system.resting - gravity)
+    both = compressions(system, system.resting) - system.continued * compressions(system, gravity)
     found: Array = 0.5 * (both - system.held)
     return found
 
@@ -439,9 +444,9 @@ def project(parameters: Parameters, state: State, workspace: Workspace, time: fl
     settings = parameters.projection
     if settings is None:
         raise ValueError("got a compressible liquid; expected one with a Projection")
-    now = with_moved_solids(parameters, state)
-    fill(now, state._replace(pressure=np.zeros_like(state.pressure)), workspace)
-    system = assemble(now, settings, workspace, time)
+    now, continued = with_moved_solids(parameters, state), continued_shares(state, settings)
+    fill_images_partly(now, state._replace(pressure=np.zeros_like(state.pressure)), workspace, continued)
+    system = assemble(now, settings, workspace, time, continued)
     summed = density_excess(system.summed, settings.lattice_sum)
     excess = summed + missing_density(system, settings)
     stretch = moving_compressions(system, workspace, state.velocity)
@@ -456,10 +461,32 @@ def project(parameters: Parameters, state: State, workspace: Workspace, time: fl
     state.density[...] = now.material.density * (1.0 + counted)
     record(state, found)
     if forces_work(parameters):
-        fill(now, state, workspace)
+        fill_images_partly(now, state, workspace, continued)
         with np.errstate(over="ignore", invalid="ignore"):  # the integration reports values that are not finite
             state.budget[RATE] = power_of_forces(now, state, workspace)
     return system
+
+
+def continued_shares(state: State, settings: Projection) -> Array:
+    """The share (N,) of the hydrostatic pressure that continues behind walls: zero where the pressure of the step before
+    was zero, all where it was at least the weight of half a spacing, as in the uppermost row of still liquid.
+    """
+    if settings.uppermost == 0.0 or not state.ready[0]:
+        return np.ones(len(state.pressure))
+    found: Array = np.clip(state.pressure / settings.uppermost, 0.0, 1.0)
+    return found
+
+
+def fill_images_partly(now: Parameters, state: State, workspace: Workspace, continued: Array) -> None:
+    """Fill the fields, with these shares of the hydrostatic pressure between particles and their images."""
+    fill(now, state, workspace)
+    fields, count, real = workspace.fields, len(continued), len(workspace.lists.counts)
+    root = roots_of(workspace.images, real)
+    image, root = real + np.flatnonzero(root < count), root[root < count]
+    own = state.pressure[root]
+    fields.pressure[image] = own + continued[root] * (fields.pressure[image] - own)
+    if fields.shape[1] > count:
+        fill_weights(fields.table, count, now.pressure_force.by_mass)
 
 
 def add_correction_work(

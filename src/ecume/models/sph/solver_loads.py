@@ -3,7 +3,7 @@ substeps, so that momentum is conserved.
 
 The pressures of a step act before the particles move. Evaluated after that, as in a compressible liquid, forces on
 walls missed 6 to 16 % of the momentum of a splash. A dummy w has the pressure of the particle i in front of it,
-mirrored: the force on it is -V_i V_w [2 p_i + rho g.x_iw] F x_iw, see `projection`.
+mirrored: the force on it is -V_i V_w [2 p_i + f_i rho g.x_iw] F x_iw, see `projection`.
 """
 
 from __future__ import annotations
@@ -16,15 +16,14 @@ from ecume.models.sph.boundaries.forces_on_solids import chains_of, forces_on_du
 from ecume.models.sph.boundaries.touching_solids import exchanged_loads
 from ecume.models.sph.boundaries.walls import all_repelled, repulsion_load
 from ecume.models.sph.parameters import Parameters
-from ecume.models.sph.projection import System
-from ecume.models.sph.rates.right_hand_side import fill
+from ecume.models.sph.projection import System, fill_images_partly
 from ecume.models.sph.state import State, Workspace
 from ecume.units import Array
 
 
 def add_loads(now: Parameters, state: State, workspace: Workspace, system: System) -> None:
     """Add the forces and torques of a substep to the means over the step."""
-    fill(now, state, workspace)
+    fill_images_partly(now, state, workspace, system.continued)
     fields = workspace.fields
     kept = fields.force_term.copy()
     fields.force_term[...] = 0.0
@@ -53,7 +52,7 @@ def pressure_on_dummies(now: Parameters, state: State, workspace: Workspace, sys
     away = gradient / np.where(slope == 0.0, 1.0, slope)
     at = workspace.fields.position[:d, j].astype(np.float64) + now.origin[:, None]
     gravity = now.gravity[:, None] - now.pull_rate**2 * (at - now.pull_center[:, None])
-    push = 2.0 * state.pressure[i] + system.density * (gravity * away).sum(axis=0)
+    push = 2.0 * state.pressure[i] + system.density * system.continued[i] * (gravity * away).sum(axis=0)
     force = -system.volume[i] * workspace.fields.volume[j] * push * gradient
     root = np.concatenate([np.arange(real), roots_of(workspace.images, real)])
     for axis in range(d):

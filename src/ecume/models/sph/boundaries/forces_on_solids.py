@@ -280,7 +280,8 @@ def _bits_of_mirrors(parameters: Parameters) -> int:
 
 def total(force: Array, place: Array, center: Array) -> tuple[Array, Array]:
     """The sum of forces at places, each (3, n), and their torque about a center."""
-    torque = np.cross((place - center[:, None]).T, force.T).sum(axis=0)
+    (x, y, z), (along, up, deep) = place - center[:, None], force
+    torque = np.stack([y * deep - z * up, z * along - x * deep, x * up - y * along], axis=1).sum(axis=0)
     return force.sum(axis=1), torque
 
 
