@@ -139,11 +139,8 @@ def _rings_of(shape: Ball, spacing: float) -> tuple[Array, Array]:
     points, volume = [], []
     for ring in range(rings):
         radius = (ring + 0.5) * width
-        # A multiple of four, starting half a step from the axis: symmetric about both axes and both diagonals.
-        count = 4 * max(1, round(0.5 * np.pi * radius / spacing))
-        angle = 2.0 * np.pi * (np.arange(count) + 0.5) / count
-        points.append(shape.center + radius * np.stack([np.cos(angle), np.sin(angle)], axis=1))
-        volume.append(np.full(count, 2.0 * np.pi * radius * width / count))
+        points.append(_ring(shape.center, radius, spacing))
+        volume.append(np.full(len(points[-1]), 2.0 * np.pi * radius * width / len(points[-1])))
     return np.concatenate(points), np.concatenate(volume)
 
 
@@ -167,11 +164,30 @@ def _cut_rows(shape: Shape, tank: tuple[Array, Array], spacing: float, support: 
         outer, middle, inner = (_inset(shape, tank, (row + part) * spacing) for part in (0.0, 0.5, 1.0))
         if middle is None or outer is None:
             break
-        place = np.concatenate([np.zeros((0, 2)), *(_centers(chain, spacing) for chain in _chains(middle, tank))])
+        place = _row_along(shape, middle, tank, spacing)
         share = outer.volume() - (inner.volume() if inner else 0.0)
         points.append(place)
         volume.append(np.full(len(place), share / max(len(place), 1)))
     return np.concatenate(points), np.concatenate(volume)
+
+
+def _row_along(shape: Ball | Polygon, middle: Polygon, tank: tuple[Array, Array], spacing: float) -> Array:
+    """Points along an inset outline from side to side; along all of it, as symmetric as the shape, if it meets no side."""
+    if not _exposed(middle, tank).all():
+        return np.concatenate([np.zeros((0, 2)), *(_centers(chain, spacing) for chain in _chains(middle, tank))])
+    if isinstance(shape, Ball):
+        return _ring(shape.center, float(np.linalg.norm(middle.vertices[0] - shape.center)), spacing)
+    return middle.rim(spacing)
+
+
+def _ring(center: Array, radius: float, spacing: float) -> Array:
+    """Points about one spacing apart on a circle: a multiple of four, starting half a step from the axis, so that they
+    are symmetric about both axes and both diagonals.
+    """
+    count = 4 * max(1, round(0.5 * np.pi * radius / spacing))
+    angle = 2.0 * np.pi * (np.arange(count) + 0.5) / count
+    found: Array = center + radius * np.stack([np.cos(angle), np.sin(angle)], axis=1)
+    return found
 
 
 def _inset(shape: Ball | Polygon, tank: tuple[Array, Array], depth: float) -> Polygon | None:
@@ -196,11 +212,9 @@ def _exposed(polygon: Polygon, tank: tuple[Array, Array]) -> Flags:
 
 
 def _chains(polygon: Polygon, tank: tuple[Array, Array]) -> list[Array]:
-    """The parts of the outline between sides of the tank, as corners (K, 2) each."""
+    """The parts of an outline that lies on a side of the tank, without those on sides, as corners (K, 2) each."""
     exposed, corners = _exposed(polygon, tank), polygon.vertices
-    count, found = len(corners), list[list[Array]]()
-    begin = int(np.argmin(exposed)) if not exposed.all() else 0
-    joined = False
+    count, found, begin, joined = len(corners), list[list[Array]](), int(np.argmin(exposed)), False
     for k in range(begin, begin + count):
         if exposed[k % count]:
             if not joined:
