@@ -65,12 +65,11 @@ def after(scene, steps):
 
 
 def equation_of(scene, time=0.02):
-    """The pressure equation of a scene at its start, with random shares of the pressure that continues behind walls."""
+    """The pressure equation of a scene at its start."""
     parameters, state, workspace = begun(scene)
     now = with_moved_solids(parameters, state)
-    continued = np.random.default_rng(3).uniform(0.0, 1.0, len(state.mass))
-    equations.fill_images_partly(now, state._replace(pressure=np.zeros_like(state.pressure)), workspace, continued)
-    return equations.assemble(now, parameters.projection, workspace, time, continued)
+    fill(now, state._replace(pressure=np.zeros_like(state.pressure)), workspace)
+    return equations.assemble(now, parameters.projection, workspace, time)
 
 
 TANKS = {
@@ -112,11 +111,11 @@ def test_loops_agree_with_the_formulas(scene):
         slope = np.array([kernel.slope(r, h) / r if r < 2.0 * h else 0.0 for r in distance])
         value = np.array([kernel.value(r, h) for r in distance])
         other = np.where(liquid > 0.0, pressure[equation.root[j]], pressure[i])
-        share = equation.continued[np.where(liquid > 0.0, equation.root[j], i)]
-        rise = share * np.where(liquid > 0.0, fields.pressure[j], now.gravity @ away)
+        rise = np.where(liquid > 0.0, fields.pressure[j], now.gravity @ away)
         assert equation.summed[i] == pytest.approx(volume @ value + fields.volume[i] * kernel.value(0.0, h))
         np.testing.assert_allclose(push[:, i], (volume * slope * (pressure[i] + other)) @ away.T, atol=1e-11)
-        np.testing.assert_allclose(equation.resting[:, i], (volume * slope * rise) @ away.T, atol=1e-11)
+        for found, mine in ((equation.resting, liquid), (equation.lifting, 1.0 - liquid)):
+            np.testing.assert_allclose(found[:, i], (mine * volume * slope * rise) @ away.T, atol=1e-11)
         assert equation.held[i] == pytest.approx(2.0 * (volume * slope) @ rise, abs=1e-9)
         own = max(-(volume * slope) @ liquid, now.projection.full + (volume * slope) @ (1.0 - liquid))
         there = 2.0 * (own * pressure[i] + (volume * slope * liquid) @ other)
@@ -299,7 +298,7 @@ def test_compression_of_second_order_is_that_of_a_linear_flow(seed):
     now = with_moved_solids(parameters, state)
     fill(now, state, workspace)
     state.acceleration[...] = 0.0
-    system = equations.assemble(now, parameters.projection, workspace, time, np.ones(len(state.mass)))
+    system = equations.assemble(now, parameters.projection, workspace, time)
     middle = int(np.argmin(np.abs(state.position - 0.5).sum(axis=0)))
     found = equations.excess_of_motion(system, workspace, state)[middle]
     assert found == pytest.approx(-(time**2) * np.linalg.det(matrix), rel=0.01)

@@ -17,25 +17,33 @@ def test_columns_that_collapse_in_a_closed_tank_gain_no_energy(pressure, seed):
     assert gained(list(ecume.simulate(collapsing(seed, pressure)))) < 2e-3
 
 
-def test_a_jet_that_rises_along_a_wall_gains_little_energy():
-    """1.4 % of its potential energy. It was 13 % when walls of particles carried half of the weight of jets beside them,
-    and those rose twice as high.
+@pytest.mark.parametrize("seed", [5000, 7001, 7002])
+def test_liquid_that_runs_up_walls_of_particles_gains_no_energy(seed):
+    """It was 13, 2 and 5 % of its potential energy when pressure continued behind walls as in liquid at rest: they bore
+    half of the weight of the liquid beside them, which rose too high.
     """
-    assert gained(list(ecume.simulate(opened(5000, "incompressible")))) < 0.03
+    assert gained(list(ecume.simulate(opened(seed, "incompressible")))) < 5e-4
 
 
 @pytest.mark.parametrize("seed", [4, 10, 12])
-def test_what_an_incompressible_liquid_gains_is_the_work_that_corrects_its_density(seed):
-    """At impacts energy rises by up to 0.12 % here, since liquid that is too dense expands against their pressure. Less
-    that work it does not rise.
+def test_an_incompressible_liquid_gains_no_energy_but_by_the_work_on_its_compression(seed):
+    """Columns collapse: liquid that an impact finds too dense expands against its pressure, which is a percent of the
+    energy here.
     """
     frames = list(ecume.simulate(collapsing(seed, "incompressible")))
-    total, work = (np.array([each.numbers[name] for each in frames]) for name in ("total_energy", "numerical_work"))
-    weight = abs(frames[0].numbers["potential_energy"])
-    rise = (total - np.minimum.accumulate(total)).max() / weight
-    assert rise > 4e-4
-    assert np.ptp(work) > 0.01 * weight
+    work = np.array([each.numbers["numerical_work"] for each in frames])
+    assert np.ptp(work) > 0.005 * abs(frames[0].numbers["potential_energy"])
     assert gained(frames) < 1e-5
+
+
+@pytest.mark.parametrize("seed", [7000, 7003])
+def test_no_work_is_counted_once_an_incompressible_liquid_rests(seed):
+    """In pools with an obstacle it went on at 1e-3 of the potential energy in three times sqrt(H/g), since the solver's
+    two operators differ where particles are disordered.
+    """
+    frames = list(ecume.simulate(opened(seed, "incompressible")))
+    net = np.array([each.numbers["total_energy"] - each.numbers["injected_work"] for each in frames])
+    assert np.ptp(net[10:]) < 3e-4 * net[0]
 
 
 @pytest.mark.parametrize(

@@ -31,9 +31,9 @@ F_ij; at a free surface, the value of a full lattice: what is missing is air, wi
 
 Behind walls pressure continues as at rest under gravity G. That part of the pressures of images and dummies is known,
 and so are its acceleration r and its Laplacian m. At rest div(r + a(p)) = -div G between mirrors, while m + l(p) = 0:
-this is why the two have separate sources, see `known_compression`. Liquid without pressure, such as a jet that rises
-along a wall, bears no weight, and nothing continues: of the pressure of particle i only the share f_i continues so, see
-`continued_shares`. With all of it, dummies would carry half of the weight of a sheet in free flight.
+this is why the two have separate sources, see `known_compression`. A dummy beside liquid with the acceleration u
+continues the pressure by rho (G - u).x_iw, see `flights`: with u = 0 dummies carried half of the weight of a jet beside
+them, which rose twice as high.
 
 **The solver** (`solve`) is MPRGP, modified proportioning with reduced gradient projections [dostal2005], for A x >= b,
 x >= 0, (A x - b) x = 0: conjugate gradients among the x that are positive, a projected step of fixed length where one
@@ -54,13 +54,13 @@ from ecume._jit import admit, prange, summing
 from ecume._portable import dot
 from ecume.engine.cells import Integers
 from ecume.engine.neighbor_rows import Lists, whole
+from ecume.engine.shapes import Flags
 from ecume.laws import incompressible
 from ecume.laws.incompressible import correction, density_excess, free_correction, straight_motion_excess
 from ecume.models.sph.boundaries.forces_on_solids import chains_of, roots_of
 from ecume.models.sph.boundaries.rigid_bodies import with_moved_solids
 from ecume.models.sph.fields import FIELD, Constants, Floats
 from ecume.models.sph.parameters import Parameters, Projection
-from ecume.models.sph.rates.fill_fields import fill_weights
 from ecume.models.sph.rates.kernel_loops import KernelType, kernel_type, value_of, written_slope
 from ecume.models.sph.rates.neighbor_sums import INDEX
 from ecume.models.sph.rates.right_hand_side import fill
@@ -171,11 +171,13 @@ class System(NamedTuple):
     steepness: Array
     """(N,) 1/m: |sum of V_j g_ij|, dummies included like liquid"""
     resting: Array
-    """(d, N) m/s^2: the acceleration by the pressures of images and dummies where that of the liquid is zero"""
+    """(d, N) m/s^2: the acceleration r by the pressures of images where that of the liquid is zero"""
+    lifting: Array
+    """(d, N) m/s^2: the same by dummies, before liquid at rest"""
+    behind: Array
+    """(d, d, N): B, by which it changes with the acceleration of the liquid, r - B u"""
     held: Array
     """(N,) 1/s^2: the Laplacian l of these pressures"""
-    continued: Array
-    """(N,) f_i"""
     diagonal: Array
     """(N,) 1/Pa: of A"""
     volume: Array
@@ -191,24 +193,25 @@ class System(NamedTuple):
     time: float
 
 
-def assemble(now: Parameters, settings: Projection, workspace: Workspace, time: float, continued: Array) -> System:
+def assemble(now: Parameters, settings: Projection, workspace: Workspace, time: float) -> System:
     """The equation at the present positions, from fields filled with zero pressures."""
     lists, table = workspace.lists, workspace.fields.table
     d, count = now.dimension, workspace.rates.shape[1]
-    gradient, closing, resting = np.empty((d + 1, int(lists.start[count]))), np.empty((d, count)), np.empty((d, count))
+    gradient, (closing, resting, lifting) = np.empty((d + 1, int(lists.start[count]))), np.empty((3, d, count))
+    behind = np.empty((d, d, count))
     compact, held, diagonal, summed, slant = np.empty((5, count))
     pull = np.concatenate([now.gravity, now.pull_center - now.origin, [now.pull_rate]])
     sum_gradients(
         closing, table, lists, now.constants, kernel_type(now.constants), pull,
-        (now.material.density, time, settings.full if settings.free_surface else 0.0), continued,
-        gradient, resting, slant, compact, summed, held, diagonal,
+        (now.material.density, time, settings.full if settings.free_surface else 0.0),
+        gradient, resting, lifting, behind, slant, compact, summed, held, diagonal,
     )  # fmt: skip
     root, sign = mirrored(now, workspace)
     liquid = root < count
     root = np.where(liquid, root, 0)
     volume = workspace.fields.volume[:count].astype(np.float64)
     return System(
-        gradient, closing, compact, summed, slant, resting, held, continued, diagonal, volume,
+        gradient, closing, compact, summed, slant, resting, lifting, behind, held, diagonal, volume,
         volume[root] * liquid, root, sign * liquid, lists, now.material.density, time,
     )  # fmt: skip
 
@@ -227,13 +230,13 @@ def mirrored(now: Parameters, workspace: Workspace) -> tuple[Integers, Array]:
 @summing
 def sum_gradients(
     closing: Array, fields: Floats, lists: Lists, constants: Constants, kernel: KernelType, pull: Array,
-    numbers: tuple[float, float, float], continued: Array, gradient: Array, resting: Array, slant: Array, compact: Array,
-    summed: Array, held: Array, diagonal: Array,
+    numbers: tuple[float, float, float], gradient: Array, resting: Array, lifting: Array, moved: Array, slant: Array,
+    compact: Array, summed: Array, held: Array, diagonal: Array,
 ) -> None:  # fmt: skip
-    """Fill g_ij and F_ij, T_i, D_i, the sums of kernels, the acceleration where pressures are zero, the diagonal of A.
+    """Fill g_ij and F_ij, T_i, D_i, the sums of kernels, the accelerations where pressures are zero, the diagonal of A.
 
     `pull` is gravity, then the center and the rate of the central force; `numbers` are the density, the time, and the
-    least D, dummies included; `continued` are f_i.
+    least D, dummies included.
     """
     code, dimension = constants[0].kernel, INDEX(closing.shape[0])
     inverse, scale = constants[0].inverse_length, constants[0].slope_factor
@@ -259,7 +262,9 @@ def sum_gradients(
             value = value_of(math.sqrt(gradient[dimension, row + INDEX(k)]) * inverse, code)
             total += fields[FIELD.volume, INDEX(neighbor[row + INDEX(k)])] * value
         squares, near, behind, rest = zero, zero, zero, zero
-        tx, ty, tz, sx, sy, sz, rx, ry, rz = zero, zero, zero, zero, zero, zero, zero, zero, zero
+        tx, ty, tz, sx, sy, sz = zero, zero, zero, zero, zero, zero
+        rx, ry, rz, lx, ly, lz = zero, zero, zero, zero, zero, zero
+        xx, xy, xz, yy, yz, zz = zero, zero, zero, zero, zero, zero
         for k in range(count):
             j, square = INDEX(neighbor[row + INDEX(k)]), gradient[dimension, row + INDEX(k)]
             volume, liquid = fields[FIELD.volume, j], fields[FIELD.liquid, j]
@@ -275,19 +280,25 @@ def sum_gradients(
             gradient[0, row + INDEX(k)] = slope * dx
             gradient[1, row + INDEX(k)] = slope * dy
             gradient[dimension, row + INDEX(k)] = slope
-            push = counted * (liquid * fields[FIELD.pressure, j] * lighter + dummy * continued[i] * rise)
+            push, lift = counted * liquid * fields[FIELD.pressure, j] * lighter, counted * dummy * rise
             twice = counted * (one + dummy)
             tx, ty, tz = tx + twice * dx, ty + twice * dy, tz + twice * dz
             sx, sy, sz = sx + counted * dx, sy + counted * dy, sz + counted * dz
             rx, ry, rz = rx + push * dx, ry + push * dy, rz + push * dz
+            lx, ly, lz = lx + lift * dx, ly + lift * dy, lz + lift * dz
+            wall = counted * dummy
+            xx, xy, xz = xx + wall * dx * dx, xy + wall * dx * dy, xz + wall * dx * dz
+            yy, yz, zz = yy + wall * dy * dy, yz + wall * dy * dz, zz + wall * dz * dz
             squares += liquid * counted * slope * square
             near -= liquid * counted
             behind -= dummy * counted
-            rest += push
+            rest += push + lift
         closing[0, i], closing[1, i] = tx, ty
-        resting[0, i], resting[1, i] = rx, ry
+        resting[0, i], resting[1, i], lifting[0, i], lifting[1, i] = rx, ry, lx, ly
+        moved[0, 0, i], moved[0, 1, i], moved[1, 0, i], moved[1, 1, i] = xx, xy, xy, yy
         if deep:
-            closing[2, i], resting[2, i] = tz, rz
+            closing[2, i], resting[2, i], lifting[2, i] = tz, rz, lz
+            moved[0, 2, i], moved[1, 2, i], moved[2, 0, i], moved[2, 1, i], moved[2, 2, i] = xz, yz, xz, yz, zz
         closed, steep = tx * tx + ty * ty + tz * tz, sx * sx + sy * sy + sz * sz
         slant[i] = math.sqrt(steep)
         held[i] = rest + rest
@@ -323,12 +334,17 @@ def compressions(system: System, velocity: Array) -> Array:
     return compressions_of(system, velocity, system.weight * system.sign * velocity[:, system.root])
 
 
-def known_compression(now: Parameters, system: System, position: Array) -> Array:
-    """The mean (N,) in 1/s^2 of the sources c(r) of -c(a(p)) and -f c(G) - m of l(p)."""
-    away = position - now.pull_center[:, None]
-    gravity = now.gravity[:, None] - now.pull_rate**2 * away
-    both = compressions(system, system.resting) - system.continued * compressions(system, gravity)
-    found: Array = 0.5 * (both - system.held)
+def gravity_at(now: Parameters, position: Array) -> Array:
+    """Gravity and the central acceleration (d, N) in m/s^2."""
+    found: Array = now.gravity[:, None] - now.pull_rate**2 * (position - now.pull_center[:, None])
+    return found
+
+
+def known_compression(system: System, resting: Array, gravity: Array) -> Array:
+    """The mean (N,) in 1/s^2 of the sources c(r) of -c(a(p)) and -c(G) - m of l(p), with m of dummies before liquid at
+    rest: their acceleration does not matter, since -c(G) - m of dummies is zero.
+    """
+    found: Array = 0.5 * (compressions(system, resting - gravity) - system.held)
     return found
 
 
@@ -439,65 +455,94 @@ def sum_velocity_gradient(
         found[1, i] = xx * xx + yy * yy + zz * zz + 2.0 * (xy * yx + xz * zx + yz * zy)
 
 
-def project(parameters: Parameters, state: State, workspace: Workspace, time: float) -> System:
-    """Solve for the pressure, and change the velocities by it; the equation that was solved."""
+def project(parameters: Parameters, state: State, workspace: Workspace, time: float) -> tuple[System, Array]:
+    """Solve for the pressure, and change the velocities by it; the equation that was solved, and the u of `flights`."""
     settings = parameters.projection
     if settings is None:
         raise ValueError("got a compressible liquid; expected one with a Projection")
-    now, continued = with_moved_solids(parameters, state), continued_shares(state, settings)
-    fill_images_partly(now, state._replace(pressure=np.zeros_like(state.pressure)), workspace, continued)
-    system = assemble(now, settings, workspace, time, continued)
+    now = with_moved_solids(parameters, state)
+    fill(now, state._replace(pressure=np.zeros_like(state.pressure)), workspace)
+    system, gravity = assemble(now, settings, workspace, time), gravity_at(now, state.position)
+    flight = np.zeros_like(gravity)
+    if settings.free_surface:
+        flight = flights(now, system, state, gravity, settings.uppermost)
+    resting = system.resting + system.lifting - (system.behind * flight).sum(axis=1)
     summed = density_excess(system.summed, settings.lattice_sum)
     excess = summed + missing_density(system, settings)
-    stretch = moving_compressions(system, workspace, state.velocity)
-    stretch += time * known_compression(now, system, state.position)
     corrected = free_correction(excess) if settings.free_surface else correction(excess)
     corrected += excess_of_motion(system, workspace, state)
-    found = pressures(system, corrected + time * stretch, state.pressure, settings)
-    add_correction_work(state, system, found.x, corrected, settings, time * stretch)
+    stretch = moving_compressions(system, workspace, state.velocity)
+    right = corrected + time * (stretch + time * known_compression(system, resting, gravity))
+    found = pressures(system, right, state.pressure, settings)
+    push = resting + accelerations(system, found.x)
+    add_remaining_work(state, system, found.x, stretch + time * compressions(system, push))
     state.pressure[...] = found.x
-    state.velocity[...] += time * (system.resting + accelerations(system, found.x))
+    state.velocity[...] += time * push
     counted = np.maximum(summed, 0.0) if settings.free_surface else summed
     state.density[...] = now.material.density * (1.0 + counted)
     record(state, found)
     if forces_work(parameters):
-        fill_images_partly(now, state, workspace, continued)
+        fill(now, state, workspace)
         with np.errstate(over="ignore", invalid="ignore"):  # the integration reports values that are not finite
             state.budget[RATE] = power_of_forces(now, state, workspace)
-    return system
+    return system, flight
 
 
-def continued_shares(state: State, settings: Projection) -> Array:
-    """The share (N,) of the hydrostatic pressure that continues behind walls: zero where the pressure of the step before
-    was zero, all where it was at least the weight of half a spacing, as in the uppermost row of still liquid.
+def flights(now: Parameters, system: System, state: State, gravity: Array, uppermost: float) -> Array:
+    """The mean acceleration u (d, N) in m/s^2 of the neighbors of each particle near dummies, from the pressures of the
+    step before. It is G where these are zero, in free flight; elsewhere |G - u| is at most |G|.
+
+    With b = a(p) + r of images, the acceleration is u = G + b + B (G - u), so that (1 + B) u = G + b + B G.
     """
-    if settings.uppermost == 0.0 or not state.ready[0]:
-        return np.ones(len(state.pressure))
-    found: Array = np.clip(state.pressure / settings.uppermost, 0.0, 1.0)
+    dummies = np.asarray(system.behind.any(axis=(0, 1)))
+    if not (state.ready[0] and dummies.any() and now.gravity.any()) or now.pull_rate > 0.0:
+        return np.zeros_like(gravity)
+    d, count = gravity.shape
+    still = gravity + accelerations(system, state.pressure) + system.resting + system.lifting
+    values = np.concatenate([still, system.behind.reshape(d * d, count)])
+    sums = np.zeros((d * d + d + 1, count))
+    sum_neighbors(sums, dummies, system.gradient, system.weight, values, system.root, system.sign, system.lists)
+    mean = sums[:-1] / np.where(sums[-1] == 0.0, 1.0, sums[-1])
+    matrix = np.eye(d) + mean[d:].reshape(d, d, count).transpose(2, 0, 1)
+    borne = gravity - np.linalg.solve(matrix, mean[:d].T[:, :, None])[:, :, 0].T
+    size = np.sqrt((borne**2).sum(axis=0) / (gravity**2).sum(axis=0))
+    borne *= np.clip(state.pressure / uppermost, 0.0, 1.0) / np.maximum(size, 1.0)
+    found: Array = np.where(dummies, gravity - borne, 0.0)
     return found
 
 
-def fill_images_partly(now: Parameters, state: State, workspace: Workspace, continued: Array) -> None:
-    """Fill the fields, with these shares of the hydrostatic pressure between particles and their images."""
-    fill(now, state, workspace)
-    fields, count, real = workspace.fields, len(continued), len(workspace.lists.counts)
-    root = roots_of(workspace.images, real)
-    image, root = real + np.flatnonzero(root < count), root[root < count]
-    own = state.pressure[root]
-    fields.pressure[image] = own + continued[root] * (fields.pressure[image] - own)
-    if fields.shape[1] > count:
-        fill_weights(fields.table, count, now.pressure_force.by_mass)
-
-
-def add_correction_work(
-    state: State, system: System, pressure: Array, corrected: Array, settings: Projection, compressed: Array
-) -> None:
-    """Add the work that corrects the density in a step, sum_i V_i p_i s'_i: the pressure that stops the compression by
-    the flow alone only dissipates. Liquid that an impact finds too dense expands against its pressure.
+@summing
+def sum_neighbors(
+    found: Array, chosen: Flags, gradient: Array, weight: Array, values: Array, root: Integers, sign: Array,
+    lists: Lists,
+) -> None:  # fmt: skip
+    """Sum V_j F_ij times vectors and matrices of the liquid around the chosen particles, mirrored in images, and last
+    V_j F_ij.
     """
-    if not settings.free_surface:
-        corrected = corrected - mean_of(system, corrected + compressed)
-    work = dot(system.volume, pressure * corrected)
+    counts, start, neighbor = lists
+    dimension, rows = len(sign), len(values)
+    for particle in prange(len(chosen)):
+        i, row = INDEX(particle), INDEX(start[particle])
+        if not chosen[i]:
+            continue
+        for k in range(counts[i]):
+            j = INDEX(neighbor[row + INDEX(k)])
+            share, source = weight[j] * gradient[dimension, row + INDEX(k)], INDEX(root[j])
+            found[rows, i] += share
+            for axis in range(dimension):
+                turned = share * sign[axis, j]
+                found[axis, i] += turned * values[axis, source]
+                for other in range(dimension):
+                    place = dimension * (axis + 1) + other
+                    found[place, i] += turned * sign[other, j] * values[place, source]
+
+
+def add_remaining_work(state: State, system: System, pressure: Array, compression: Array) -> None:
+    """Add the work of the pressure in a step on the compression c (N,) by the final velocities, minus
+    time sum_i V_i p_i c_i. Without compression the pressure only dissipates, (time^2/2) sum_i m_i a_i^2; liquid that an
+    impact finds too dense expands against its pressure.
+    """
+    work = -system.time * dot(system.volume, pressure * compression)
     state.budget[WORK] += work
     state.numerical[WORK] += work
 

@@ -3,7 +3,7 @@ substeps, so that momentum is conserved.
 
 The pressures of a step act before the particles move. Evaluated after that, as in a compressible liquid, forces on
 walls missed 6 to 16 % of the momentum of a splash. A dummy w has the pressure of the particle i in front of it,
-mirrored: the force on it is -V_i V_w [2 p_i + f_i rho g.x_iw] F x_iw, see `projection`.
+mirrored: the force on it is -V_i V_w [2 p_i + rho (G - u).x_iw] F x_iw, see `projection`.
 """
 
 from __future__ import annotations
@@ -16,31 +16,33 @@ from ecume.models.sph.boundaries.forces_on_solids import chains_of, forces_on_du
 from ecume.models.sph.boundaries.touching_solids import exchanged_loads
 from ecume.models.sph.boundaries.walls import all_repelled, repulsion_load
 from ecume.models.sph.parameters import Parameters
-from ecume.models.sph.projection import System, fill_images_partly
+from ecume.models.sph.projection import System, gravity_at
+from ecume.models.sph.rates.right_hand_side import fill
 from ecume.models.sph.state import State, Workspace
 from ecume.units import Array
 
 
-def add_loads(now: Parameters, state: State, workspace: Workspace, system: System) -> None:
-    """Add the forces and torques of a substep to the means over the step."""
-    fill_images_partly(now, state, workspace, system.continued)
+def add_loads(now: Parameters, state: State, workspace: Workspace, solved: tuple[System, Array]) -> None:
+    """Add the forces and torques of a substep to the means over the step; `solved` are the result of `project`."""
+    fill(now, state, workspace)
     fields = workspace.fields
     kept = fields.force_term.copy()
     fields.force_term[...] = 0.0
     rubbed, place = forces_on_dummies(now, workspace, 0)
     fields.force_term[...] = kept
-    pressed = pressure_on_dummies(now, state, workspace, system)
+    pressed = pressure_on_dummies(now, state, workspace, solved)
     more = [*exchanged_loads(now, state, workspace, on_dummies=(pressed, place)).items()]
     more += [(each.owner, repulsion_load(now, state, each)) for each in all_repelled(now, state)]
     more += list(loads_of(now, workspace, (rubbed + pressed, place)))
-    share = system.time / now.time_step
+    share = solved[0].time / now.time_step
     for number, (force, torque) in more:
         state.struck[number] += share * np.concatenate([force, torque])
 
 
-def pressure_on_dummies(now: Parameters, state: State, workspace: Workspace, system: System) -> Array:
+def pressure_on_dummies(now: Parameters, state: State, workspace: Workspace, solved: tuple[System, Array]) -> Array:
     """The pressure force on each dummy (3, n) (N), including the components of its images in mirrors along these."""
-    d, count, real = now.dimension, state.position.shape[1], len(workspace.lists.counts)
+    (system, flight), d = solved, now.dimension
+    count, real = state.position.shape[1], len(workspace.lists.counts)
     found = np.zeros((3, real - count))
     if real == count:
         return found
@@ -50,9 +52,8 @@ def pressure_on_dummies(now: Parameters, state: State, workspace: Workspace, sys
     j = workspace.lists.neighbor[place].astype(np.int64)
     gradient, slope = system.gradient[:d, place], system.gradient[d, place]
     away = gradient / np.where(slope == 0.0, 1.0, slope)
-    at = workspace.fields.position[:d, j].astype(np.float64) + now.origin[:, None]
-    gravity = now.gravity[:, None] - now.pull_rate**2 * (at - now.pull_center[:, None])
-    push = 2.0 * state.pressure[i] + system.density * system.continued[i] * (gravity * away).sum(axis=0)
+    gravity = gravity_at(now, workspace.fields.position[:d, j].astype(np.float64) + now.origin[:, None]) - flight[:, i]
+    push = 2.0 * state.pressure[i] + system.density * (gravity * away).sum(axis=0)
     force = -system.volume[i] * workspace.fields.volume[j] * push * gradient
     root = np.concatenate([np.arange(real), roots_of(workspace.images, real)])
     for axis in range(d):

@@ -175,9 +175,9 @@ def projection_step(parameters: Parameters, state: State, workspace: Workspace, 
     shifts = shifts_needed(parameters, state, time)
     take_other_forces(parameters, state, workspace, time / shifts)
     kick_all(state, time)
-    system = project(parameters, state, workspace, time)
+    solved = project(parameters, state, workspace, time)
     if workspace.records_loads:
-        add_loads(with_moved_solids(parameters, state), state, workspace, system)
+        add_loads(with_moved_solids(parameters, state), state, workspace, solved)
     move(parameters, state, workspace, time / shifts)
     for _ in range(shifts - 1):
         take_shift(parameters, state, workspace, time / shifts)

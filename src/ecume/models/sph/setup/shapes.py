@@ -172,7 +172,7 @@ def _cut_rows(shape: Shape, tank: tuple[Array, Array], spacing: float, support: 
 
 
 def _row_along(shape: Ball | Polygon, middle: Polygon, tank: tuple[Array, Array], spacing: float) -> Array:
-    """Points along an inset outline from side to side; along all of it, as symmetric as the shape, if it meets no side."""
+    """Points along an inset outline from side to side; if it meets none, along all of it, as symmetric as the shape."""
     if not _exposed(middle, tank).all():
         return np.concatenate([np.zeros((0, 2)), *(_centers(chain, spacing) for chain in _chains(middle, tank))])
     if isinstance(shape, Ball):
