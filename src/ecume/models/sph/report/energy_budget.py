@@ -11,7 +11,7 @@ border carry their energy, and particles that cross a periodic side are lifted, 
 Density diffusion changes the elastic energy; this is work, too, of the numerical method: see `add_diffusion_work`. So
 does the pressure of dummies, which liquid that approaches compresses without storing energy in them: see
 `power_of_dummies`. In an incompressible liquid the correction of the density does work: see
-`projection.add_correction_work`.
+`projection.add_remaining_work`.
 
 Rates are integrated by the trapezoidal rule, which is exact for kicks: each force acts half before and half after the
 velocity by which it is multiplied.
