@@ -90,10 +90,13 @@ def nearest(word: str, known: Sequence[str]) -> str:
     ('did you mean water?', 'known: water, ethanol')
     >>> nearest("cold milk", ["milk", "olive oil"])
     'did you mean milk?'
+    >>> nearest("top_force", ["top", "top_force_x"])
+    'did you mean top_force_x?'
     """
     given = word.lower()
-    parts = [name for name in known if name != given and name in re.findall(r"[^\W_]+", given)]
-    near = parts or difflib.get_close_matches(given, known, n=3, cutoff=0.5)
+    parts = [name for name in known if name in re.findall(r"[^\W_]+", given)]
+    near = difflib.get_close_matches(given, known, n=3, cutoff=0.7) or parts
+    near = near or difflib.get_close_matches(given, known, n=3, cutoff=0.5)
     if near:
         swapped = [name for name in near if sorted(name) == sorted(given)]
         return f"did you mean {(swapped or near)[0]}?"

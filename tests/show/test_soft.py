@@ -223,6 +223,7 @@ def test_creep_ends_where_the_packing_is_sheared_otherwise(boxed):
     (strains, _) = SOFT_FIGURES["creep"](frames, dataclasses.replace(scene, duration=6.0, protocol=moments)).axes
     (line,) = strains.lines
     assert line.get_xydata()[-1] == pytest.approx([3.0, 0.6])
+    assert line.get_xdata()[0] == pytest.approx(0.05)  # the axis is logarithmic: nothing is drawn at 0
 
 
 def test_instants_without_contacts_leave_gaps_in_percentiles(scene):
