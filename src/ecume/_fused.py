@@ -22,8 +22,8 @@ def fused(a: float, b: float, c: float) -> float:
 
 
 def lane_sum(values: Any, count: Any) -> float:
-    """The sum of the first `count` values, a multiple of LANES, in double precision: every eighth in one lane, since
-    each addition waits for the one before, and then the lanes by halves.
+    """The sum of the first `count` values, a multiple of LANES, in double precision. Every eighth value is added to the
+    same lane, since an addition has to wait for the previous one in its lane; then the lanes are added by halves.
 
     >>> lane_sum([1.0, 2.0] * 8, 16)
     24.0

@@ -63,7 +63,7 @@ class Threaded(Dispatcher):
         super().__init__(function, {"parallel": True}, cache=True)
 
     def __call__(self, *arguments: Any) -> Any:
-        """Run it."""
+        """Run the loop."""
         require_own_threads()
         return super().__call__(*arguments)
 

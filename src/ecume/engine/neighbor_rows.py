@@ -79,7 +79,7 @@ def pairs_in(lists: Lists, count: int) -> tuple[Integers, Integers]:
 
 @compiled_inside
 def whole(count: int) -> np.uint64:
-    """The length of a row rounded up to a whole vector: padding is the particle itself."""
+    """The length of a row, rounded up to whole vectors; the row is padded with the index of the particle."""
     return (INDEX(count) + BEFORE) & DOWN
 
 

@@ -188,7 +188,8 @@ def _nearer(distance: Array, square: float) -> int:
 def _write(cells: Cells, x: Array, slots: Span, reach: float, first: Integers, neighbor: Slots) -> None:
     """Write the neighbors of some slots.
 
-    Distances of a run first, then its slots, each written over the last one that was too far: loops without a branch.
+    For loops without branches, the distances of a run are computed first. Then each slot is written, and the next one
+    overwrites it if it was too far.
     """
     square, distance = reach * reach, np.empty(slots[2], np.float64)
     found = np.empty(_runs(cells) * slots[2] + 1, np.uint32)

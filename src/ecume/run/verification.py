@@ -325,7 +325,9 @@ def _nothing(value: object, path: str) -> None:
 
 
 def _require_all(home: RunDirectory) -> None:
-    """Raise StorageError where a file is missing that is there before the first checkpoint, or at the end."""
+    """Raise StorageError if a file is missing: one that exists before the first checkpoint, or one
+    of a complete run.
+    """
     if not identity_of(home):
         return
     ended = home.done.exists() or home.failed.exists()

@@ -45,8 +45,8 @@ POINT = 1.0 / 72.0
 
 class Splat(Artist):
     """Particles in axes, painted with as many pixels as the figure has there when it is drawn. `radius` is (N,) or
-    one for all (m); `rim` is how wide the line around each is (points). `room` are the corners beyond which nothing is
-    painted (m); infinite where there is no wall.
+    one for all (m); `rim` is the width of the line around each (points). `room` are the corners of the painted region
+    (m); infinite where there is no wall.
     """
 
     def __init__(

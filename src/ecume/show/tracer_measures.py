@@ -57,8 +57,8 @@ def spreading(frames: Frames, scene: TracersScene) -> Figure:
 
 
 def before_exits(frames: Frames) -> tuple[Frames, str]:
-    """The frames before the first exit, and a remark for the title: those that stay inside afterwards are the slow
-    ones, whose displacements are too small. All frames where fewer than three come before it.
+    """The frames before the first exit, and a remark for the title. Particles that remain afterwards are the slow ones,
+    whose displacements are too small. If fewer than three frames precede the exit, all frames are returned.
     """
     first = len(frames[0].arrays["position"])
     whole = [bool(inside(frame)[:first].all()) for frame in frames]

@@ -44,8 +44,8 @@ if TYPE_CHECKING:
 admit(special, capillarity)
 
 NO_WALL_LAW, DISH, LEGACY_DISH, PLANE, TABLED = range(5)
-"""Laws of walls in compiled code: of `meniscus` and `linear` the far field in a dish or at a plane wall, of
-`two-point-legacy`, and of exact profiles and images a table.
+"""Laws of walls in compiled code: no meniscus; the far field of `meniscus` and `linear` in a round dish; that of
+`two-point-legacy`; the far field at plane walls; a table, for exact profiles and images.
 """
 HEIGHT, IMAGE = 2, 4
 """Rows of a table: each of these two, and its slope over ln(d) below it. Row 0 starts with ln(d) of the first node and

@@ -86,7 +86,7 @@ def joined_pair(own: Two, constants: Any) -> LiquidPair:
 
 @compiled_for_laws
 def joined_particle(own: One, constants: Any) -> LiquidParticle:
-    """The parameters of an external law."""
+    """The properties of a particle together with the constants of a law."""
     return LiquidParticle(own.mass, own.density, constants)
 
 

@@ -136,7 +136,9 @@ MANY = replace(
 
 
 def hydrodynamics_of(scene: FloatingScene) -> HydrodynamicInteraction:
-    """The row of a scene; many floats have no matrix, except with friction or films, which need it."""
+    """The hydrodynamic interaction of a scene, as a row of the table. Many floats use a grid instead of a matrix,
+    except with friction or films.
+    """
     row = HYDRODYNAMICS[scene.hydrodynamics.interaction]
     count = len(scene.rows) + sum(species.count for species in scene.particles)
     simple = scene.hydrodynamics.lubrication is None and not scene.rubs

@@ -115,7 +115,7 @@ def update_contacts(parameters: Parameters, state: State, opened: PairList | Non
 
 def rebalance(parameters: Parameters, state: State) -> None:
     """Balance the forces again at constant gaps after contacts with a small force have faded; the films dissipate the
-    released energy. Without a balance, the next step decides.
+    released energy. If that fails, the next step starts from the present positions.
     """
     scratch, now = workspace(parameters, state, 1.0), float(state.pace[CLOCK])
     interval = interval_at(parameters.protocol, now)
