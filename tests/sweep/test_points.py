@@ -7,7 +7,7 @@ import pytest
 
 from ecume.errors import BadInput, SceneError
 from ecume.scenes.templates import sweep_templates
-from ecume.sweep.directory import begun_or_laid_out, require_laws
+from ecume.sweep.directory import open_or_create, require_laws
 from ecume.sweep.executors import write_array
 from ecume.sweep.results import _unit_in
 from ecume.sweep.spec import READER, load_sweep, points_of, varied
@@ -18,8 +18,8 @@ LAWS = [{"name": "yukawa", "sha256": "1" * 64}]
 def test_points_with_laws_of_the_user_are_others_and_keep_to_the_text_of_the_laws(tmp_path):
     text = 'template = "two-spheres"\n[[axes]]\nkey = "seed"\nvalues = [1, 2]\n'
     (tmp_path / "s.toml").write_text(text)
-    plain = begun_or_laid_out(tmp_path / "s.toml", tmp_path / "plain")
-    lawful = begun_or_laid_out(tmp_path / "s.toml", tmp_path / "lawful", LAWS)
+    plain = open_or_create(tmp_path / "s.toml", tmp_path / "plain")
+    lawful = open_or_create(tmp_path / "s.toml", tmp_path / "lawful", LAWS)
     assert {job.folder.name for job in plain.jobs}.isdisjoint(job.folder.name for job in lawful.jobs)
     assert "--laws mine.py:yukawa --task" in write_array(lawful, ["mine.py:yukawa"]).read_text()
     require_laws(lawful, LAWS)

@@ -10,7 +10,7 @@ from ecume.cli import app
 from ecume.errors import BadInput, SceneError, StorageError
 from ecume.scenes.load import load_scene
 from ecume.sweep import open_sweep, sweep
-from ecume.sweep.directory import laid_out
+from ecume.sweep.directory import write_points
 from ecume.sweep.spec import load_sweep
 
 
@@ -74,7 +74,7 @@ def test_tables_may_be_fixed(file, tmp_path):
         '"particles[0].count" = 5', 'particles = [{count = 3, radius = "2 mm", density = 300, contact_angle = 1.2}]'
     )
     file.write_text(fixed)
-    jobs = laid_out(load_sweep(file), tmp_path / "out").jobs
+    jobs = write_points(load_sweep(file), tmp_path / "out").jobs
     (floats,) = json.loads(jobs[0].asked.read_text())["scene"]["particles"]
     assert (floats["count"], floats["radius"]) == (3, 2e-3)
 
@@ -92,7 +92,7 @@ def test_arguments_of_another_kind_are_refused_before_anything_is_run(tmp_path, 
     more = "" if "reduced_force" in given else "\n[fixed]\ngap = 0.1" * ("forces" in given)
     path.write_text(f'process = "t1"\n[[axes]]\n{given}{more}')
     with pytest.raises(BadInput) as refused:
-        laid_out(load_sweep(path), tmp_path / "out")
+        write_points(load_sweep(path), tmp_path / "out")
     assert says in str(refused.value)
 
 
@@ -115,7 +115,7 @@ def test_a_scene_is_no_sweep_and_a_sweep_no_scene(file, tmp_path):
 def test_damaged_files_of_a_sweep_are_reported_in_a_line(tmp_path, text):
     path = tmp_path / "t1.toml"
     path.write_text('process = "t1"\n[[axes]]\nkey = "gap"\nvalues = [0.1]\n[fixed]\nreduced_force = 1e-3')
-    (job,) = laid_out(load_sweep(path), tmp_path / "out").jobs
+    (job,) = write_points(load_sweep(path), tmp_path / "out").jobs
     (tmp_path / "out" / "points.json").write_text(text)
     for verb in (["sweep", str(tmp_path / "out"), "--status"], ["plot", str(tmp_path / "out")]):
         output = CliRunner().invoke(app, verb)
@@ -123,7 +123,7 @@ def test_damaged_files_of_a_sweep_are_reported_in_a_line(tmp_path, text):
         assert "points.json: damaged" in output.stderr
         assert "sweep again: that makes it again" in output.stderr
     job.asked.write_text(text)
-    (again,) = laid_out(load_sweep(path), tmp_path / "out").jobs
+    (again,) = write_points(load_sweep(path), tmp_path / "out").jobs
     assert json.loads(again.asked.read_text())["settings"]["gap"] == 0.1
     job.result.write_text("3")
     with pytest.raises(StorageError, match=r"result\.json: damaged; delete it"):

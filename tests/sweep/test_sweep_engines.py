@@ -10,7 +10,7 @@ from tests.sweep.four_bowls import ALONE, BOWLS
 from ecume.errors import BadInput, SceneError
 from ecume.run import info
 from ecume.sweep import open_sweep, sweep
-from ecume.sweep.directory import existing_sweep, laid_out
+from ecume.sweep.directory import existing_sweep, write_points
 from ecume.sweep.executors import write_array
 from ecume.sweep.spec import load_sweep
 
@@ -45,7 +45,7 @@ def test_points_of_another_engine_have_other_folders_but_not_those_with_other_ra
     folders = {}
     for name, head in (("local", ""), ("one", LED), ("two", LED + "ranks = 2\n")):
         file.write_text(head + TWO)
-        jobs = laid_out(load_sweep(file), tmp_path / name).jobs
+        jobs = write_points(load_sweep(file), tmp_path / name).jobs
         folders[name] = {job.folder.name for job in jobs}
     assert folders["one"] == folders["two"]
     assert not folders["one"] & folders["local"]
@@ -55,7 +55,7 @@ def test_points_of_another_engine_have_other_folders_but_not_those_with_other_ra
 
 def test_tasks_of_an_array_have_a_core_for_each_rank(file, tmp_path):
     file.write_text(LED + "ranks = 3\n" + TWO)
-    assert "--cpus-per-task=3" in write_array(laid_out(load_sweep(file), tmp_path / "out")).read_text()
+    assert "--cpus-per-task=3" in write_array(write_points(load_sweep(file), tmp_path / "out")).read_text()
 
 
 @pytest.mark.parametrize(

@@ -19,8 +19,8 @@ from ecume.cli import app
 from ecume.errors import Stopped
 from ecume.scenes.templates import copy_template
 from ecume.sweep import open_sweep, sweep
-from ecume.sweep.directory import existing_sweep, laid_out
-from ecume.sweep.executors import ExecutorOptions, _client, next_word, work
+from ecume.sweep.directory import existing_sweep, write_points
+from ecume.sweep.executors import ExecutorOptions, _client, next_outcome, work
 from ecume.sweep.results import Outcome
 from ecume.sweep.spec import load_sweep
 
@@ -62,7 +62,7 @@ def test_many_workers_make_the_same_table(file, tmp_path):
 @pytest.mark.long
 @pytest.mark.compiled  # processes: once is enough
 def test_as_many_workers_of_dask_are_started_as_are_asked_for(file, tmp_path):
-    with _client(ExecutorOptions(workers=3), laid_out(load_sweep(file), tmp_path / "out"), 3) as client:
+    with _client(ExecutorOptions(workers=3), write_points(load_sweep(file), tmp_path / "out"), 3) as client:
         assert len(client.scheduler_info(n_workers=-1)["workers"]) == 3
 
 
@@ -75,7 +75,7 @@ def test_sweeps_at_the_same_time_do_not_compete_for_a_port(file, tmp_path):
             taken.listen()
         with warnings.catch_warnings(record=True) as heard:
             warnings.simplefilter("always")
-            with _client(ExecutorOptions(workers=2), laid_out(load_sweep(file), tmp_path / "out"), 2) as client:
+            with _client(ExecutorOptions(workers=2), write_points(load_sweep(file), tmp_path / "out"), 2) as client:
                 assert len(client.scheduler_info(n_workers=-1)["workers"]) == 2
     assert [str(each.message) for each in heard if "Port" in str(each.message)] == []
 
@@ -83,7 +83,7 @@ def test_sweeps_at_the_same_time_do_not_compete_for_a_port(file, tmp_path):
 @pytest.mark.long
 def test_a_worker_that_is_killed_loses_nothing(file, tmp_path):
     file.write_text(BOWLS.replace('"0.2 s"', '"10 s"'))
-    jobs = laid_out(load_sweep(file), tmp_path / "out").jobs
+    jobs = write_points(load_sweep(file), tmp_path / "out").jobs
     call = f"from ecume.sweep.executors import work; work({str(jobs[0].folder)!r})"
     with subprocess.Popen([sys.executable, "-c", call]) as worker:
         while not (jobs[0].run / "traj").exists() and worker.poll() is None:
@@ -134,10 +134,10 @@ class Answer:
 
 def test_a_scheduler_that_is_gone_is_reported_in_a_line_with_code_75():
     ended = iter([Answer("done"), Answer(error=RuntimeError("its worker died")), Answer(broken=OSError("closed"))])
-    assert [next_word(ended)[1], next_word(ended)[1]] == ["done", "lost"]
+    assert [next_outcome(ended)[1], next_outcome(ended)[1]] == ["done", "lost"]
     with pytest.raises(Stopped, match="lost the scheduler; finished points are kept"):
-        next_word(ended)
-    assert next_word(ended) is None
+        next_outcome(ended)
+    assert next_outcome(ended) is None
 
 
 def test_points_that_are_lost_are_no_success(file, tmp_path, monkeypatch):
@@ -232,7 +232,7 @@ def test_a_signal_stops_a_sweep_that_the_same_command_goes_on_with(file, tmp_pat
 
 
 def test_a_run_that_another_process_holds_is_left_to_it(file, tmp_path):
-    (first, *_) = laid_out(load_sweep(file), tmp_path / "out").jobs
+    (first, *_) = write_points(load_sweep(file), tmp_path / "out").jobs
     first.run.mkdir()
     (first.run / "manifest.json").write_text('{"ecume": "0"}')
     call = (
@@ -280,7 +280,7 @@ def test_a_sweep_is_gone_on_with_by_its_directory_too(file, tmp_path, monkeypatc
     monkeypatch.chdir(tmp_path)
     copy_template("cereal-bowl", tmp_path / "bowl.toml")
     file.write_text(BOWLS.replace('template = "cereal-bowl"', 'scene = "bowl.toml"'))
-    jobs = laid_out(load_sweep(file), tmp_path / "sweeps/bowls").jobs
+    jobs = write_points(load_sweep(file), tmp_path / "sweeps/bowls").jobs
     work(str(jobs[0].folder))
     done = CliRunner().invoke(app, ["sweep", "sweeps/bowls", "--workers", "1"])
     assert done.exit_code == 0, done.output

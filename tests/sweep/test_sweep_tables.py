@@ -15,7 +15,7 @@ from tests.sweep.four_bowls import ALONE, BOWLS
 from ecume.cli.progress import counted
 from ecume.errors import BadInput, EcumeError, StorageError
 from ecume.sweep import open_sweep, sweep
-from ecume.sweep.directory import laid_out, remaining, standing
+from ecume.sweep.directory import remaining, standing, write_points
 from ecume.sweep.executors import write_array
 from ecume.sweep.spec import load_sweep
 
@@ -57,14 +57,14 @@ def test_libraries_take_the_table_of_a_sweep_with_failures(tmp_path, library):
 def test_an_axis_keeps_its_numbers_where_a_process_reports_them_again(tmp_path):
     path = tmp_path / "t1.toml"
     path.write_text('process = "t1"\n[[axes]]\nkey = "reduced_force"\nvalues = [1e-2]\n[fixed]\ngap = 0.1')
-    (job,) = laid_out(load_sweep(path), tmp_path / "out").jobs
+    (job,) = write_points(load_sweep(path), tmp_path / "out").jobs
     job.result.write_text('{"duration": 1.0, "reduced_force": 0.009999999999999998}')
     (row,) = open_sweep(tmp_path / "out").table()
     assert row["reduced_force"] == 1e-2
 
 
 def test_how_far_a_sweep_is_can_be_seen_from_outside(file, tmp_path):
-    jobs = laid_out(load_sweep(file), tmp_path / "out").jobs
+    jobs = write_points(load_sweep(file), tmp_path / "out").jobs
     before = time.time()
     for place, job in enumerate(jobs[:2]):
         job.run.mkdir()
@@ -261,6 +261,6 @@ def test_a_sweep_may_ask_a_cluster_for_an_account(file, tmp_path):
 
 
 def test_a_folder_with_a_line_break_gives_no_job_script(file, tmp_path):
-    laid = laid_out(load_sweep(file), tmp_path / "a\ntouch x\n#")
+    laid = write_points(load_sweep(file), tmp_path / "a\ntouch x\n#")
     with pytest.raises(BadInput, match="no line of a job script"):
         write_array(laid)

@@ -104,10 +104,10 @@ def absolute(laws: Sequence[str]) -> list[str]:
 
 def _write_array(source: Path, directory: Path, laws: Sequence[str]) -> None:
     from ecume.run.user_code import entries, laws_from
-    from ecume.sweep.directory import begun_or_laid_out
+    from ecume.sweep.directory import open_or_create
     from ecume.sweep.executors import write_array
 
-    sweeping = begun_or_laid_out(source, directory, entries(laws_from(laws)))
+    sweeping = open_or_create(source, directory, entries(laws_from(laws)))
     echo(f"wrote {write_array(sweeping, laws)}; submit it with sbatch")
 
 

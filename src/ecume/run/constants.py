@@ -151,10 +151,10 @@ def _with(tree: Any, stored: Stored, path: str) -> Any:
         return type(tree)(*parts) if hasattr(tree, "_fields") else tuple(parts)
     if path not in stored or not _may_differ(path, stored[path]):
         return tree
-    return _laid_out_as(tree, stored[path]) if isinstance(tree, np.ndarray) else type(tree)(stored[path][()])
+    return _in_layout_of(tree, stored[path]) if isinstance(tree, np.ndarray) else type(tree)(stored[path][()])
 
 
-def _laid_out_as(model: NDArray[Any], values: NDArray[Any]) -> NDArray[Any]:
+def _in_layout_of(model: NDArray[Any], values: NDArray[Any]) -> NDArray[Any]:
     """The values as an array in the memory layout of the model's: compiled code distinguishes
     layouts as it does types.
     """

@@ -138,7 +138,7 @@ def unchecked(measures: Sequence[str], plan: Mapping[str, Any]) -> None:
     """Accept any measures."""
 
 
-def laid_out(asked: Asked, directory: Path, check: Check = unchecked) -> Sweeping:
+def write_points(asked: Asked, directory: Path, check: Check = unchecked) -> Sweeping:
     """Write the scene of each point, after all scenes have been read and checked."""
     spec = asked.spec
     if spec.process:
@@ -163,7 +163,7 @@ def laid_out(asked: Asked, directory: Path, check: Check = unchecked) -> Sweepin
     return Sweeping(directory, spec, jobs)
 
 
-def begun_or_laid_out(
+def open_or_create(
     file: Path, directory: Path, laws: Sequence[dict[str, Any]] = (), check: Check = unchecked
 ) -> Sweeping:
     """The existing or new sweep of a file. Raises BadInput if the sweep was begun with other
@@ -179,7 +179,7 @@ def begun_or_laid_out(
         if any(job.state != "done" for job in found.jobs):
             check(found.spec.measures, json_at(found.jobs[0].asked, dict))
         return found
-    return laid_out(asked, directory, check)
+    return write_points(asked, directory, check)
 
 
 def require_laws(sweeping: Sweeping, laws: Sequence[dict[str, Any]]) -> None:

@@ -161,12 +161,12 @@ def _spread(client: Any, jobs: Sequence[Job], options: ExecutorOptions) -> Itera
     kept = {"retries": options.retries, "pure": False}
     futures = {client.submit(work, folder, options.laws, **kept): job for folder, job in folders.items()}
     ended = library.as_completed(list(futures))
-    while (next_one := next_word(ended)) is not None:
+    while (next_one := next_outcome(ended)) is not None:
         future, word = next_one
         yield futures[future], word
 
 
-def next_word(ended: Iterator[Any]) -> tuple[Any, str] | None:
+def next_outcome(ended: Iterator[Any]) -> tuple[Any, str] | None:
     """The next job that ended, and its outcome; None after the last. Raises Stopped if the
     scheduler does not answer.
 

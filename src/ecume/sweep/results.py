@@ -27,10 +27,10 @@ from ecume.scenes.schema import from_plain, unit_of
 from ecume.sweep.directory import (
     Job,
     Sweeping,
-    begun_or_laid_out,
     distinct,
     existing_sweep,
     json_at,
+    open_or_create,
     require_own_run,
     written,
 )
@@ -316,7 +316,7 @@ def sweep(file: str | os.PathLike[str], directory: str | os.PathLike[str], optio
     """
     own = laws_from(options.laws)
     check = functools.partial(require_numbers, laws=own)
-    sweeping = begun_or_laid_out(Path(file), Path(directory), entries(own), check)
+    sweeping = open_or_create(Path(file), Path(directory), entries(own), check)
     jobs = distinct(sweeping.jobs)
     missing = [job for job in jobs if job.state != "done"]
     try:

@@ -229,7 +229,7 @@ class Bowl:
                 changed = dataclasses.replace(scene, **{part: _replaced(getattr(scene, part), number)})
             self._begin(changed)
         except (TypeError, ValueError, SceneError) as fault:
-            raise BadInput(f"{part}.{key} = {value:g}: {_said(fault)}") from None
+            raise BadInput(f"{part}.{key} = {value:g}: {_warnings_in_plain_words(fault)}") from None
 
     def present(self) -> FloatingScene:
         """The present scene, from which a simulation can continue."""
@@ -241,8 +241,8 @@ class Bowl:
         model = MODELS["floating"]
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")  # warnings on errors of superposition, which `ecume check` reports
-            parameters = model.parameters(_hurried(scene))
-            state = model.start(_hurried(scene), parameters)
+            parameters = model.parameters(_with_throws(scene))
+            state = model.start(_with_throws(scene), parameters)
         self._flow, self._own = parameters.drift.flow.copy(), parameters.drift.flow[:2].copy()
         drift = parameters.drift._replace(flow=self._flow, flows=True)
         given = [v for species in scene.particles for v in (species.velocities or [species.velocity] * species.count)]
@@ -337,7 +337,7 @@ def _with(scene: FloatingScene, place: int, species: FloatSpec) -> FloatingScene
     return dataclasses.replace(scene, particles=(*scene.particles[:place], species, *scene.particles[place + 1 :]))
 
 
-def _hurried(scene: FloatingScene) -> FloatingScene:
+def _with_throws(scene: FloatingScene) -> FloatingScene:
     """The scene for the choice of the time step: a user may throw any float."""
     launched = [dataclasses.replace(species, velocities=(), velocity=(FASTEST, 0.0)) for species in scene.particles]
     integration = dataclasses.replace(scene.integration, time_step=None)
@@ -348,7 +348,7 @@ SINKS = re.compile(r"an? (\w+) of [^;]*? sinks: [^;]*; take ")
 """The part of `FloaterSinks`'s message with dimensionless numbers, up to the remedy."""
 
 
-def _said(fault: Exception) -> str:
+def _warnings_in_plain_words(fault: Exception) -> str:
     """The warnings of a scene's check, in one line and in plain words."""
     if isinstance(fault, SceneError):
         messages = dict.fromkeys(one.message for one in fault.faults)

@@ -177,7 +177,7 @@ def _end(series: Sequence[Instant]) -> str:
     return "t1" if min(instant.gap_vertical for instant in series) < MET else "dissociated"
 
 
-class Seen(NamedTuple):
+class ReachedGoals(NamedTuple):
     """The times at which goals were reached; infinite for others."""
 
     since: Array
@@ -186,12 +186,14 @@ class Seen(NamedTuple):
     """since when it has also been the closer pair"""
 
 
-def unseen(goals: Sequence[float]) -> Seen:
-    """No goal reached yet."""
-    return Seen(np.full(len(goals), math.inf), np.full(len(goals), math.inf))
+def no_goals_reached(goals: Sequence[float]) -> ReachedGoals:
+    """Infinite times: no goal is reached yet."""
+    return ReachedGoals(np.full(len(goals), math.inf), np.full(len(goals), math.inf))
 
 
-def watch(goals: Sequence[float], seen: Seen, begin: Instant, end: Instant, crossing: Callable[[float], float]) -> bool:
+def watch(
+    goals: Sequence[float], seen: ReachedGoals, begin: Instant, end: Instant, crossing: Callable[[float], float]
+) -> bool:
     """Record the goals reached in a step. Returns whether all are reached; `crossing` computes the time at which a
     force is reached.
 
@@ -348,7 +350,7 @@ def follow_symmetric(
     factors = prefactors_of(FilmSpec(prefactors=prefactors))
     pull = Pull(forces[0] / scale, forces[1] / scale, scale, kappa / scale, ramp, factors)
     goals = [one * (forces[1] - forces[0] / SQRT3) / kappa for one in thresholds]
-    series, seen = [_instant(pull, 0.0, _start(gap), np.zeros(2))], unseen(goals)
+    series, seen = [_instant(pull, 0.0, _start(gap), np.zeros(2))], no_goals_reached(goals)
     steps, left = 0, 0.0
     for end, between, residual in _steps(pull, gap, horizon(gap, kappa, prefactors, ramp), tolerance):
         begin, steps, left = series[-1], steps + 1, max(left, residual)

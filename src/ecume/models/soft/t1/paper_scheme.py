@@ -36,8 +36,8 @@ from ecume.models.soft.t1.cluster import (
     VERTICAL,
     Effort,
     Instant,
+    no_goals_reached,
     result_of,
-    unseen,
     watch,
 )
 from ecume.scenes.soft import SoftScene
@@ -217,7 +217,7 @@ def follow(
     course = Course(length, ramp, SCHEMES[how[0]], max(1, round(scene.duration / (LOOKS * 30.0 * length))))
     if scene.duration >= LONGEST or scene.duration / (10.0 * length) > MOST_STEPS:
         raise BadInput(f"steps of {length:.3g} would be more than {MOST_STEPS:.0e}; expected method='implicit'")
-    series, seen, steps, drift = list[Instant](), unseen(goals), 0, 0.0
+    series, seen, steps, drift = list[Instant](), no_goals_reached(goals), 0, 0.0
     for rows, drift in _records(scene, course):
         for now in rows:
             series.append(_instant(now, kappa, scene))

@@ -39,11 +39,11 @@ from ecume.models.soft.t1.cluster import (
     Units,
     follow_symmetric,
     horizon,
+    no_goals_reached,
     parting,
     result_of,
     seconds,
     t1_scene,
-    unseen,
     watch,
 )
 from ecume.scenes.soft import SoftScene
@@ -213,7 +213,7 @@ def follow(
     unit = Units(units[0], units[1] * kappa, units[2])
     goals = [one * (vertical - horizontal / SQRT3) / kappa for one in thresholds]
     scratch = workspace(parameters, state, 1.0)
-    series, seen, drift = [_first(parameters, scratch, unit)], unseen(goals), 0.0
+    series, seen, drift = [_first(parameters, scratch, unit)], no_goals_reached(goals), 0.0
     for span in _spans(parameters, state, scratch, unit):
         series.append(span.end)
         drift = max(drift, float(np.abs(scratch.step.bodies.right).max()) / unit.force)
