@@ -173,7 +173,9 @@ def test_a_cell_of_another_size_is_refused(folder: Path) -> None:
     (fault,) = faults(folder, SOFT.format(file="start.gsd", cell="size = ['20 mm', '11 mm']"))
     assert fault.startswith("cell.size: got 0.02 m, 0.011 m; the periodic box of start.gsd is 0.02 m, 0.01 m; check")
     (fault,) = faults(folder, SOFT.format(file="start.gsd", cell="volume_fraction = 0.8, size = [1, 1]"))
-    assert fault == "cell.volume_fraction: has no meaning beside start_from, which contains the positions"
+    assert (
+        fault == "cell.volume_fraction: has no meaning beside start_from or particles_from, which contain the positions"
+    )
     hoomd(folder / "start.gsd", box=[20, 10, 1, 0.5, 0, 0])
     (fault,) = faults(folder, SOFT.format(file="start.gsd", cell=""))
     assert fault == "start_from: start.gsd has a box tilted by 0.005 m; expected a rectangular one"

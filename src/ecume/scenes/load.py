@@ -20,11 +20,11 @@ from ecume.scenes.faults import (
 )
 from ecume.scenes.fields import follow_field
 from ecume.scenes.floating.sources import RUN as START
-from ecume.scenes.floating.sources import SOURCES, rows_from
+from ecume.scenes.floating.sources import SOURCES, TABLE, rows_from
 from ecume.scenes.overrides import overridden
 from ecume.scenes.schema import Scene, examined
 from ecume.scenes.sizes import follow_sizes
-from ecume.scenes.tables import NotText, text_of
+from ecume.scenes.tables import NotText, followed, text_of
 from ecume.scenes.templates import templates
 from ecume.scenes.toml import syntax_fault, tables_of
 
@@ -68,12 +68,12 @@ def load_scene(path_or_text: str | File, overrides: Sequence[str] = ()) -> Scene
 def assembled(raw: dict[str, Any], folder: File) -> tuple[Scene | None, list[tuple[Path, str]]]:
     """The scene of plain data with the contents of its files, and all faults."""
     name_liquid(raw)
-    started = START in raw
+    started = any(key in raw for key in SOURCES)
     dry = sources_followed(raw, folder)
     rows = rows_from(raw, folder)
     if rows.plain and not rows.faults:
         raw["rows"] = rows.plain
-    scene, found = examined(raw, also=SOURCES)
+    scene, found = examined(raw, also=sources_of(raw))
     if started and (dry or rows.faults):
         found = [fault for fault in found if fault[0] and fault[0][0] not in FROM_ELSEWHERE]
     # A scene without its rows has no floats, and a region without its file has no shape: these are not separate faults.
@@ -119,13 +119,25 @@ def sources_followed(raw: dict[str, Any], folder: File) -> list[tuple[Path, str]
     return follow_sources(raw, folder)
 
 
+def sources_of(raw: dict[str, Any]) -> tuple[str, ...]:
+    """The keys that name particles from elsewhere, which a scene as data does not have."""
+    return (START,) if raw.get("model") == "sph" else SOURCES
+
+
 def _started(raw: dict[str, Any], folder: File) -> list[tuple[Path, str]]:
-    """Insert the particles of another run or program into the species of a scene of soft spheres or tracers."""
-    if START not in raw:
+    """Insert the particles of a table, or of another run or program, into the species of a scene of soft spheres or
+    tracers.
+    """
+    given = {key: raw.pop(key) for key in SOURCES if key in raw}
+    if not given:
         return []
+    if len(given) > 1:
+        return [((TABLE,), "of particles_from and start_from only one can stand in a scene")]
+    if TABLE in given:
+        return followed((TABLE,), _from_table, raw, given[TABLE], folder)
     from ecume.scenes.starts import filled, is_run, of_run, opened
 
-    given = raw.pop(START)
+    given = given[START]
     try:
         start, faults = (of_run(folder, given, raw["model"]), []) if is_run(given) else opened(given, folder)
         if start is not None:
@@ -135,6 +147,13 @@ def _started(raw: dict[str, Any], folder: File) -> list[tuple[Path, str]]:
     except ValueError as fault:
         return [((START,), f"{echo(given)} {fault}")]
     return faults
+
+
+def _from_table(raw: dict[str, Any], name: str, folder: File) -> None:
+    """Insert the particles of a table. Raises ValueError, and Inconsistent."""
+    from ecume.scenes.starts import filled, of_table
+
+    filled(raw, of_table(folder, name, raw["model"]))
 
 
 def source_of(path_or_text: str | File) -> Source:

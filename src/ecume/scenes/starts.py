@@ -1,8 +1,10 @@
-"""Initial particles from a frame of another run or a file of another program.
+"""Initial particles from a frame of another run, a file of another program, or a table.
 
 `start_from = "runs/bowl@-1"` is a frame of a run; a table is a file of another program:
 
     start_from = { file = "packing.gsd", length_unit = "1 mm", time_unit = "1 ms" }
+
+`particles_from = "beads.csv"` is a table with one particle a line.
 
 The particles are matched with the species of the scene, `[[particles]]`, by the names of their types. What a species
 states, its radius for example, takes precedence over what the file contains.
@@ -25,14 +27,17 @@ from ecume.errors import BadInput
 from ecume.scenes.common import dataclass
 from ecume.scenes.faults import Complaints, Inconsistent, Path, echo, faults_of, suggestion
 from ecume.scenes.quantities import STRICT, Duration, Name, Size
-from ecume.scenes.tables import MOST_BYTES, beside, require_there, text_of
+from ecume.scenes.tables import MOST_BYTES, beside, lines_of, require_there, text_of
 from ecume.trajectories.foreign import series
 from ecume.trajectories.foreign.particles import FileFault, Particles
 from ecume.trajectories.foreign.series import Series
 from ecume.trajectories.frame import Frame, omitted_from
 from ecume.units import Mass, Unit
 
-RUN = "start_from"
+RUN, TABLE = "start_from", "particles_from"
+PLACES = {"x": "m", "y": "m", "z": "m", "radius": "m", "name": ""}
+COLUMNS = {"soft": PLACES, "tracers": {**PLACES, "vx": "m/s", "vy": "m/s", "vz": "m/s"}}
+"""The columns of tables of soft spheres and tracers, and their SI units; `name` is a species."""
 LAYOUT = ("count", "placement", "positions", "velocities", "spacing", "ring_radius", "center", "low", "high")
 """Keys of a species that state where its particles are."""
 FORMATS = {
@@ -45,7 +50,7 @@ ALIKE = 1e-5
 """The relative difference below which sides count as equal, since files hold them in single precision."""
 FLAT = 1e-6
 """The range of z over that of x and y in a file with two dimensions."""
-NO_MEANING = "has no meaning beside start_from, which contains the positions"
+NO_MEANING = "has no meaning beside start_from or particles_from, which contain the positions"
 
 
 @dataclass(frozen=True, kw_only=True, config=STRICT)
@@ -85,6 +90,10 @@ class Start(NamedTuple):
     """The species of the former run with their keys; empty for a file."""
     hint: str = ""
     """What to check where sizes differ."""
+    key: str = RUN
+    """the key of the scene that names it"""
+    without_z: bool = False
+    """whether the positions have two coordinates only"""
 
 
 def is_run(value: object) -> bool:
@@ -106,6 +115,35 @@ def opened(value: object, folder: Folder) -> tuple[Start | None, Complaints]:
         return None, [((RUN, "file"), f"{spec.file}, {fault}")]
     except ValueError as fault:
         return None, [((RUN, "file"), f"{echo(spec.file)} {fault}")]
+
+
+def of_table(folder: Folder, name: str, model: str) -> Start:
+    """The particles of a table, whose radii are those of the species unless there is a column. Raises ValueError."""
+    path = beside(folder, name)
+    require_there(path, folder)
+    lines = [line.values for line in lines_of(text_of(path, MOST_BYTES), COLUMNS[model])]
+    types = [line.get("name", "") for line in lines]
+    names = tuple(sorted(set(types)))
+
+    def columns(*wanted: str) -> NDArray[np.float64]:
+        """These columns, zero where one is missing."""
+        return np.array([[line.get(key, 0.0) for key in wanted] for line in lines])
+
+    velocities = ("vx", "vy", "vz")
+    return Start(
+        Particles(
+            names,
+            np.array([names.index(each) for each in types]),
+            columns("x", "y", "z"),
+            columns(*velocities) if lines[0].keys() & {*velocities} else None,
+            2.0 * columns("radius")[:, 0] if "radius" in lines[0] else None,
+        ),
+        name,
+        {},
+        {},
+        key=TABLE,
+        without_z="z" not in lines[0],
+    )
 
 
 def refuse_a_file(name: str) -> None:
@@ -317,8 +355,13 @@ def _place(each: str, start: Start, names: Sequence[str], types: int) -> int | N
     if each not in start.species and len(names) == types == 1:
         return 0
     species = f"the species are {_listed(names)}" if names else "the scene has no [[particles]]"
-    hint = f"expected a species named {target!r}, or species = {{ {each} = NAME }} in start_from"
-    raise Inconsistent([((RUN,), f"{start.name} has particles of type {each!r}, and {species}; {hint}")])
+    hint = f"expected a species named {target!r}"
+    if start.key == RUN:
+        hint += f", or species = {{ {each} = NAME }} in start_from"
+    elif not each:
+        hint = "expected one of them in each line of a column name"
+    which = f"particles of type {each!r}" if each else "particles without a name"
+    raise Inconsistent([((start.key,), f"{start.name} has {which}, and {species}; {hint}")])
 
 
 def _listed(names: Sequence[str] | Mapping[str, Any]) -> str:
@@ -344,11 +387,13 @@ def _is_flat(particles: Particles) -> bool:
 
 
 def require_dimensions(start: Start, dimensions: int) -> None:
-    """Raise Inconsistent if a file has three dimensions and the scene two."""
+    """Raise Inconsistent if a file has three dimensions and the scene two, or a table two and the scene three."""
+    if dimensions == 3 and start.without_z:
+        raise Inconsistent([((TABLE,), f"{start.name} has no column z, and the scene has 3 dimensions")])
     if dimensions == 2 and not _is_flat(start.particles):
         low, high = start.particles.position[:, 2].min(), start.particles.position[:, 2].max()
         message = f"{start.name} is 3D: z is from {low:.4g} m to {high:.4g} m; the scene has 2 dimensions"
-        raise Inconsistent([((RUN,), message)])
+        raise Inconsistent([((start.key,), message)])
 
 
 def require_box(raw: dict[str, Any], start: Start, dimensions: int) -> None:
@@ -362,7 +407,7 @@ def require_box(raw: dict[str, Any], start: Start, dimensions: int) -> None:
         return
     if start.particles.tilt > ALIKE * max(sides):
         message = f"{start.name} has a box tilted by {start.particles.tilt:.4g} m; expected a rectangular one"
-        raise Inconsistent([((RUN,), message)])
+        raise Inconsistent([((start.key,), message)])
     size = cell.setdefault("size", list(sides[:dimensions]))
     own = [_length(side) for side in size] if isinstance(size, (list, tuple)) else []
     if len(own) == dimensions and all(own):

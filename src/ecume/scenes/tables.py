@@ -17,7 +17,7 @@ from pathlib import Path as Folder
 from typing import Any, NamedTuple
 
 from ecume._plain_files import NotPlain, TooLarge, content_of
-from ecume.scenes.faults import Complaints, Path, echo, suggestion
+from ecume.scenes.faults import Complaints, Inconsistent, Path, echo, suggestion
 from ecume.units import factor
 
 TRUSTED = "ECUME_SCENE_FOLDERS"
@@ -146,6 +146,8 @@ def followed(
         follow(into, name, folder)
     except TableFaults as faults:
         return [(path, f"{name}, {message}") for message in faults.messages[:MOST_MESSAGES]]
+    except Inconsistent as faults:
+        return list(faults.complaints)
     except ValueError as fault:
         return [(path, f"{echo(name)} {fault}")]
     return []

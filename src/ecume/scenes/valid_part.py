@@ -15,8 +15,8 @@ from ecume.scenes.faults import (
     read_path,
     value_at,
 )
-from ecume.scenes.floating.sources import SOURCES, rows_from
-from ecume.scenes.load import Source, load_scene, name_liquid, parsed, placed, source_of, sources_followed
+from ecume.scenes.floating.sources import rows_from
+from ecume.scenes.load import Source, load_scene, name_liquid, parsed, placed, source_of, sources_followed, sources_of
 from ecume.scenes.overrides import overridden
 from ecume.scenes.schema import Scene, examined
 from ecume.scenes.toml import tables_of
@@ -100,7 +100,7 @@ def _examined(raw: dict[str, Any], source: Source) -> tuple[Scene | None, list[t
     rows = rows_from(raw, source.folder)
     if rows.plain and not rows.faults:
         raw["rows"] = rows.plain
-    scene, found = examined(raw, also=SOURCES)
+    scene, found = examined(raw, also=sources_of(raw))
     return scene, [*dry, *rows.faults, *found]
 
 

@@ -23,6 +23,8 @@ TABLE, RUN = "particles_from", "start_from"
 SOURCES = (TABLE, RUN)
 """Keys that exist in files only: reading converts them into `rows`."""
 
+OTHERS = {"soft", "sph", "tracers"}
+"""Models that read their particles elsewhere."""
 MOST_MESSAGES = 20
 
 
@@ -72,7 +74,9 @@ def failed(key: str, messages: Sequence[str], path: Path = ()) -> Rows:
 
 
 def rows_from(raw: dict[str, Any], folder: Folder) -> Rows:
-    """Remove the sources from `raw`, and read their rows."""
+    """Remove the sources of a scene of floats from `raw`, and read their rows."""
+    if raw.get("model") in OTHERS:
+        return failed("rows", [])
     given = {key: raw.pop(key) for key in SOURCES if key in raw}
     if not given:
         return failed("rows", [])
