@@ -125,9 +125,9 @@ def of_table(folder: Folder, name: str, model: str) -> Start:
     types = [line.get("name", "") for line in lines]
     names = tuple(sorted(set(types)))
 
-    def columns(*wanted: str) -> NDArray[np.float64]:
+    def columns(*keys: str) -> NDArray[np.float64]:
         """These columns, zero where one is missing."""
-        return np.array([[line.get(key, 0.0) for key in wanted] for line in lines])
+        return np.array([[line.get(key, 0.0) for key in keys] for line in lines])
 
     velocities = ("vx", "vy", "vz")
     return Start(
