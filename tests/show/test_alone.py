@@ -12,7 +12,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from scipy.spatial import cKDTree
 
+from ecume.analysis.clusters import components
 from ecume.errors import BadInput
 from ecume.models import MODELS
 from ecume.models.floating.dishes import wall_strengths
@@ -89,8 +91,9 @@ def test_numbers_and_arrays_are_in_the_order_of_the_arguments():
     assert list(found)[-1] == "steps"
 
 
-@with_node
-def test_a_page_moves_sixty_floats_as_the_processor_does(page):
+@pytest.fixture(scope="module")
+def native(few):
+    """The bowl of the page in ecume: parameters, state and workspace."""
     scene = scene_of()
     every = offered(species_of(scene), GRID)
     made = in_liquid(scene, every, GRID.usual)
@@ -103,14 +106,37 @@ def test_a_page_moves_sixty_floats_as_the_processor_does(page):
     parameters = bowl._replace(time_step=step, floats=floats, kick=kick, wall_strength=walls)
     start = FLOATING.start(scene, FLOATING.parameters(scene)).position
     state = make_state(start, np.zeros_like(start))
-    workspace = FLOATING.workspace(parameters, state, 2.0)
-    smooth, rough = asked(page, ["go", {"steps": 100}], ["places"], ["go", {"steps": 1900}], ["places"])[1::2]
+    return parameters, state, FLOATING.workspace(parameters, state, 2.0)
+
+
+def rafts_of(place, radius):
+    """The sizes of rafts, the smallest first, and the number of contacts."""
+    near = np.array(sorted(cKDTree(place).query_pairs(2.02 * radius)), np.int64).reshape(-1, 2)
+    return sorted(components(near, len(place)).sizes.tolist()), len(near)
+
+
+@with_node
+def test_a_page_moves_sixty_floats_as_the_processor_does(page, native):
+    parameters, state, workspace = native
+    start, radius = state.position.copy(), float(parameters.floats.radius[0])
+    steps = (100, 1900, 18_000)
+    smooth, rough, late = asked(page, *(one for each in steps for one in (["go", {"steps": each}], ["places"])))[1::2]
     assert FLOATING.advance(parameters, state, workspace, 100) == 0
     assert np.array(smooth) == pytest.approx(state.position.ravel(), rel=0.0, abs=1e-14)
     assert FLOATING.advance(parameters, state, workspace, 1900) == 0
     assert state.tally[0] > 10
     assert np.array(rough) == pytest.approx(state.position.ravel(), rel=0.0, abs=1e-10)
     assert np.abs(state.position - start).max() > 1e-3
+    # Later collisions amplify what is left of rounding; the rafts are of the same statistics.
+    assert FLOATING.advance(parameters, state, workspace, 18_000) == 0
+    (theirs, touching), (ours, contacts) = (
+        rafts_of(state.position, radius),
+        rafts_of(np.array(late).reshape(-1, 2), radius),
+    )
+    assert len(theirs) < 30
+    assert abs(len(ours) - len(theirs)) <= 2
+    assert ours[-1] == pytest.approx(theirs[-1], rel=0.2)
+    assert contacts == pytest.approx(touching, rel=0.05)
 
 
 @with_node
