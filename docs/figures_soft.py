@@ -287,7 +287,7 @@ def permeation() -> Figure:
         left.plot(times, values, "o", markersize=4, color=color, label=label)
     left.set(xlabel="time × k M/(η H²)", ylabel="over the last or first value", ylim=(0.0, 1.05))
     left.legend(loc="center right")
-    rows = [row for row in permeation_study.recorded() if row["rows"] == 8.0]
+    rows = permeation_study.recorded()
     for name, marker, color, label in (
         ("free", "s", PALETTE[0], "without permeation"), ("permeating", "o", PALETTE[1], "with permeation"),
     ):  # fmt: skip

@@ -1,5 +1,5 @@
-"""When packings of frictional spheres start to flow under stress: by their volume fraction and their height, with and
-without permeation.
+"""When packings of frictional spheres start to flow under stress: by their volume fraction, with and without
+permeation.
 
 `python docs/studies/permeation.py` loads packings between an undrained bottom and a drained top with a pressure and a
 shear stress, and writes `recorded-starts.csv` beside this file; some minutes.
@@ -8,7 +8,6 @@ shear stress, and writes `recorded-starts.csv` beside this file; some minutes.
 from __future__ import annotations
 
 import csv
-import itertools
 from pathlib import Path
 
 from ecume._quick import folder_of, parser_of, sized
@@ -17,13 +16,12 @@ from ecume_validation.runner import case_scene
 
 RECORDED = Path(__file__).parent / "recorded-starts.csv"
 WRITTEN = folder_of(RECORDED.parent) / RECORDED.name
-ACROSS, ROW = 5, 2.45e-3
-"""Spheres in a row, and the height of a row in the proportions of the cell (m)."""
 LONGEST = 8.0
 """s: the duration of the runs."""
-SEEDS = sized((1,), (1,))
-PACKINGS = sized(((8, 0.72), (8, 0.74), (8, 0.76), (8, 0.78), (8, 0.79)), ((4, 0.74),))
-"""Rows of spheres, and the volume fraction at the start."""
+PACKINGS = sized(
+    ((0.72, 1), (0.74, 1), (0.76, 1), (0.78, 1), (0.79, 1), (0.74, 2), (0.79, 2), (0.74, 3), (0.79, 3)), ((0.74, 1),)
+)
+"""Volume fraction at the start, and seed."""
 
 
 def recorded() -> list[dict[str, float]]:
@@ -32,23 +30,20 @@ def recorded() -> list[dict[str, float]]:
         return [{name: float(value) for name, value in row.items()} for row in csv.DictReader(table)]
 
 
-def measured(rows: int, fraction: float, seed: int) -> dict[str, float]:
+def measured(fraction: float, seed: int) -> dict[str, float]:
     """The times (s) to a start with and without permeation; the duration of the run where there is none."""
-    count = rows * ACROSS // 2
-    changes = [f"seed={seed}", f"cell.volume_fraction={fraction}", f"cell.size=[0.012, {rows * ROW}]"]
-    changes += [f"particles[{place}].count={count}" for place in (0, 1)]
-    scene = case_scene("permeation", changes, name="start")
+    scene = case_scene("permeation", [f"seed={seed}", f"cell.volume_fraction={fraction}"], name="start")
     found = {"permeating": start_time(scene), "free": start_time(unhindered(scene))}
-    return {"rows": rows, "volume_fraction": fraction, "seed": seed, **found}
+    return {"volume_fraction": fraction, "seed": seed, **found}
 
 
 def main() -> None:
     """Run all and write the table."""
     with WRITTEN.open("w", newline="", encoding="utf-8") as opened:
-        table = csv.DictWriter(opened, ("rows", "volume_fraction", "seed", "permeating", "free"), lineterminator="\n")
+        table = csv.DictWriter(opened, ("volume_fraction", "seed", "permeating", "free"), lineterminator="\n")
         table.writeheader()
-        for seed, packing in itertools.product(SEEDS, PACKINGS):
-            table.writerow({name: f"{value:.6g}" for name, value in measured(*packing, seed).items()})
+        for packing in PACKINGS:
+            table.writerow({name: f"{value:.6g}" for name, value in measured(*packing).items()})
             opened.flush()
 
 

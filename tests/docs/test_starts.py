@@ -6,7 +6,7 @@ from pathlib import Path
 
 DOCS = Path(__file__).parents[2] / "docs"
 PAGE = DOCS / "physics" / "soft-permeation.md"
-ROW = re.compile(r"^\| (\d+) \| (0\.\d+) \| (\d) \| ([\d.]+ s|none) \| ([\d.]+ s|none) \|$", re.MULTILINE)
+ROW = re.compile(r"^\| (0\.\d+) \| (\d) \| ([\d.]+ s|none) \| ([\d.]+ s|none) \|$", re.MULTILINE)
 
 
 def study():
@@ -24,7 +24,7 @@ def said(time, longest):
 def test_the_table_of_the_page_is_what_was_recorded():
     module = study()
     expected = [
-        (f"{row['rows']:g}", f"{row['volume_fraction']:g}", f"{row['seed']:g}",
+        (f"{row['volume_fraction']:g}", f"{row['seed']:g}",
          said(row["permeating"], module.LONGEST), said(row["free"], module.LONGEST))
         for row in module.recorded()
     ]  # fmt: skip
@@ -35,5 +35,5 @@ def test_loose_packings_start_earlier_with_permeation_and_the_densest_later():
     rows = study().recorded()
     assert all(row["permeating"] <= row["free"] for row in rows if row["volume_fraction"] <= 0.76)
     dense = [row for row in rows if row["volume_fraction"] == 0.79]
-    assert dense
-    assert all(row["permeating"] > 5.0 * row["free"] for row in dense)
+    assert len(dense) == 3
+    assert all(row["permeating"] > 2.0 * row["free"] for row in dense)

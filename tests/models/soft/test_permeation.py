@@ -190,3 +190,10 @@ def permeating(dice):
         middle = 0.4 * plain["duration"]
         plain["protocol"] = [{"time": 0.0}, {"time": middle, "load": 1.0}, {"time": middle, "load": 1.3}]
     return plain
+
+
+@pytest.mark.compiled
+@pytest.mark.parametrize("seed", [1, 5, 11])
+def test_a_random_packing_that_liquid_permeates_keeps_what_every_run_keeps(seed):
+    """Balance, energy, the order of spheres, half a turn of the scene, and half runs."""
+    assert random_scenes.outcome(seed, permeating) == ("done", {})
