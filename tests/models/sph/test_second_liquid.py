@@ -217,6 +217,8 @@ def test_what_knows_one_liquid_only_is_refused(more, path):
 def test_regions_and_the_second_liquid_need_each_other():
     with pytest.raises(SceneError, match="no region has"):
         stacked(2.0, fluid=[{"low": [0.0, 0.0], "high": [0.5, 1.0]}])
+    with pytest.raises(SceneError, match="all regions have it"):
+        stacked(2.0, fluid=[{"low": [0.0, 0.0], "high": [0.5, 1.0], "liquid": "second"}])
     plain = {"model": "sph", "duration": 1.0, "frame_every": 0.1, "spacing": 0.1, "tank": {"high": [1.0, 1.0]}}
     with pytest.raises(SceneError, match=r"write the table"):
         from_plain({**plain, "fluid": [{"low": [0.0, 0.0], "high": [0.5, 1.0], "liquid": "second"}]})

@@ -464,10 +464,12 @@ def _steps(scene: SphScene) -> Complaints:
 
 
 def _second_liquid_faults(scene: SphScene) -> list[tuple[Path, str]]:
-    """Faults of a second liquid without regions, and of regions without it."""
+    """Faults of one of two liquids without regions, and of regions without it."""
     regions = [index for index, region in enumerate(scene.fluid) if region.liquid == "second"]
     if scene.second_liquid is None:
         return [(("fluid", index, "liquid"), "there is no [second_liquid]; write the table") for index in regions]
+    if len(regions) == len(scene.fluid) > 0:
+        return [(("second_liquid",), "all regions have it; leave one to the first liquid, or describe it in [liquid]")]
     return [] if regions else [(("second_liquid",), 'no region has liquid = "second"; write it in one, or remove this')]
 
 
