@@ -290,8 +290,8 @@ def held_by_a_cylinder(stokes: float, count: int) -> float:
 
 
 def impaction() -> list[Row]:
-    """Compare the efficiency of a cylinder in ideal flow over the Stokes number, m U/(friction R), with DOP853 and with the
-    curve of Langmuir and Blodgett.
+    """Compare the efficiency of a cylinder in ideal flow over the Stokes number, m U/(friction R), with DOP853 and
+    with the curve of Langmuir and Blodgett.
     """
     count = 200
     small = held_by_a_cylinder(0.12, count)

@@ -123,9 +123,9 @@ class FlowSpec:
     apart."""
     around_obstacles: Literal["none", "creeping", "ideal"] = "none"
     """How the flow passes obstacles: `none`, through them; `creeping`, at small Reynolds numbers, a uniform flow past
-    one sphere without a tank, or in 2D the flow `channel` of a box past any of them, or past an array of them where
-    the tank is periodic along x; `ideal`, without viscosity, a uniform flow past one disc or sphere. Effect: particles
-    are carried around obstacles."""
+    one sphere without a tank, or the flow `channel` of a box past any of them, in 3D also the flow `duct`, and past an
+    array of them where the tank is periodic along x; `ideal`, without viscosity, a uniform flow past one disc or
+    sphere. Effect: particles are carried around obstacles."""
     name: Annotated[str, Field(max_length=LONGEST_NAME)] = ""
     """A flow that adds to these two: `channel`, `couette`, `tube`, `duct`, `stagnation`, `rotation`, `cellular`,
     `double-gyre`, `wave` or `abc`. Example: `"channel"`. Effect: particles follow this flow."""

@@ -21,6 +21,7 @@ from ecume.laws import carrier_flows
 from ecume.models.gridded_flows import GRIDDED_VELOCITIES
 from ecume.models.tracers.named_flows import NAMED_FLOWS, OTHER_VELOCITIES
 from ecume.models.tracers.obstacle_flows import ChannelFlow, obstacle_velocity
+from ecume.models.tracers.obstacle_flows_3d import SolidFlow, solid_obstacle_velocity
 from ecume.models.user_laws import compiled_for_laws
 from ecume.units import Array
 
@@ -68,7 +69,7 @@ class Loops(NamedTuple):
 
 def _velocity_functions() -> dict[type, Callable[..., Vector]]:
     named = {typing.get_type_hints(row.shape)["return"]: row.velocity for row in NAMED_FLOWS.values()}
-    solved = {ChannelFlow: obstacle_velocity}
+    solved = {ChannelFlow: obstacle_velocity, SolidFlow: solid_obstacle_velocity}
     return {**named, **OTHER_VELOCITIES, **GRIDDED_VELOCITIES, **solved}
 
 

@@ -3,19 +3,19 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from ecume.errors import BadInput, Fault, SceneError
 from ecume.models import field_files, gridded_flows
+from ecume.models.tracers.around_obstacles import around_in_channel, deep, detour_of, require_unused
 from ecume.models.tracers.flow_loops import Current, Loops, loops_for
-from ecume.models.tracers.named_flows import DETOURS, NAMED_FLOWS, PastObstacle, Request, Still
-from ecume.models.tracers.obstacle_flows import channel_flow, disc_outline
+from ecume.models.tracers.named_flows import NAMED_FLOWS, Request, Still
 from ecume.models.tracers.tank import bounds, periodic_of
 from ecume.scenes.faults import suggestion
-from ecume.scenes.tracers import FlowSpec, ObstacleSpec, TracersScene
+from ecume.scenes.tracers import FlowSpec, TracersScene
 from ecume.units import Array
 
 Corners = tuple[tuple[float, ...], tuple[float, ...]]
@@ -121,33 +121,33 @@ def varying_flow(scene: TracersScene, box: Corners, own: OwnFlow | None = None) 
         raise SceneError([Fault(f"flow.{shapes[0]}", f"got it beside {shapes[1]}; expected one flow")])
     forces = scene.hydrodynamics
     forced = forces.fluid_acceleration or forces.faxen or forces.lift or forces.wall_drag or flow.turbulence is not None
-    in_channel = flow.around_obstacles == "creeping" and shapes == ["name"] and flow.name == "channel"
+    in_channel = flow.around_obstacles == "creeping" and shapes == ["name"] and flow.name in ("channel", "duct")
     if flow.around_obstacles != "none" and not in_channel and (shapes or flow.shear_rate or not any(uniform)):
-        message = "needs a uniform flow.velocity and no other flow beside it, or a creeping flow in a channel"
+        message = "needs a uniform flow.velocity and no other flow beside it, or a creeping flow in a channel or duct"
         raise SceneError([Fault("flow.around_obstacles", message)])
     shape: Any
     if in_channel:
-        shape = _around_in_channel(scene)
+        shape = around_in_channel(scene)
     elif flow.around_obstacles != "none":
-        _require_unused(flow, frozenset(), "a flow around an obstacle")
-        shape, box = _detour(scene, (uniform[0], uniform[1], uniform[2]))
+        require_unused(flow, frozenset(), "a flow around an obstacle")
+        shape, box = detour_of(scene, (uniform[0], uniform[1], uniform[2]))
     elif not shapes:
-        _require_unused(flow, frozenset(), "a uniform flow")
+        require_unused(flow, frozenset(), "a uniform flow")
         if not forced:
             return plain
         shape = Still(0.0)
     elif own is not None:
         shape = OwnShape(own.constants)
-        _require_unused(flow, frozenset({"pulse"}), "a flow by a function")
+        require_unused(flow, frozenset({"pulse"}), "a flow by a function")
     elif flow.field is not None:
-        _require_unused(flow, frozenset({"pulse"}), "a field")
+        require_unused(flow, frozenset({"pulse"}), "a field")
         shape, removed = _shape_of_field(scene)
     else:
         shape = _named_shape(scene, box)
     pulse = flow.pulse
     turning = 2.0 * math.pi / pulse.period if pulse is not None and pulse.period else 0.0
     factor = (0.0, 0.0, 0.0) if pulse is None else (float(pulse.amplitude), turning, float(pulse.decay_rate))
-    steps = getattr(shape, "step", None)
+    steps = getattr(getattr(shape, "bins", shape), "step", None)
     spacing = 0.1 * min(steps) if steps else DIFFERENCE * _shortest_length(flow, box)
     periodic = periodic_of(scene)
     tank = (periodic.low[:d], periodic.sides[:d])
@@ -162,57 +162,6 @@ def _shortest_length(flow: FlowSpec, box: Corners) -> float:
     corners = (flow.low or box[0], flow.high or box[1])
     sides = [b - a for a, b in (*zip(*box, strict=True), *zip(*corners, strict=True))]
     return min(*sides, *(each for each in (flow.wavelength, flow.radius) if each is not None))
-
-
-def _detour(scene: TracersScene, stream: tuple[float, float, float]) -> tuple[Any, Corners]:
-    """The exact solution around the obstacle, and the box in which it varies. Raises SceneError without one."""
-    kind, d, bodies = scene.flow.around_obstacles, scene.dimensions, scene.obstacles
-    if (kind, d) not in DETOURS:
-        message = "got 'creeping' in 2D: no slow stream goes around a disc (Stokes's paradox); expected 'ideal', or 3D"
-        raise SceneError([Fault("flow.around_obstacles", message)])
-    if len(bodies) != 1 or bodies[0].center is None or bodies[0].radius is None or scene.tank is not None:
-        message = "there is an exact solution for one disc or sphere without a tank only; "
-        message += "use a creeping flow in a channel, or flow.field, for others"
-        raise SceneError([Fault("flow.around_obstacles", message)])
-    center, radius = bodies[0].center, bodies[0].radius
-    box = (tuple(each - 3.0 * radius for each in center), tuple(each + 3.0 * radius for each in center))
-    deep = stream if d == 3 else (stream[0], 0.0, stream[1])
-    return PastObstacle(_deep(center), radius, deep, list(DETOURS).index((kind, d))), box
-
-
-def _around_in_channel(scene: TracersScene) -> Any:
-    """The computed flow of a channel around obstacles. Raises SceneError for unsuitable scenes."""
-    flow, tank, path = scene.flow, scene.tank, "flow.around_obstacles"
-    _require_unused(flow, frozenset({"speed", "pulse"}), "a channel with obstacles")
-    if scene.dimensions != 2 or tank is None or tank.high is None or tank.low is None:
-        message = "there is a creeping flow in channels in 2D, between the sides of a box; use flow.field for others"
-        raise SceneError([Fault(path, message)])
-    if flow.speed is None:
-        raise SceneError([Fault("flow.speed", "is missing; the flow channel needs it")])
-    if flow.velocity is not None or flow.shear_rate:
-        raise SceneError([Fault(path, "got flow.velocity or shear_rate beside a channel; they would cross obstacles")])
-    if not scene.obstacles:
-        raise SceneError([Fault(path, "got no obstacles; remove it, or add [[obstacles]]")])
-    if "y" in tank.periodic:
-        raise SceneError(
-            [Fault("tank.periodic", "got y beside a flow around obstacles in a channel; expected x alone")]
-        )
-    try:
-        outlines = tuple(_outline(body) for body in scene.obstacles)
-        corners = ((tank.low[0], tank.low[1]), (tank.high[0], tank.high[1]))
-        return channel_flow(*corners, outlines, float(flow.speed), periodic="x" in tank.periodic)
-    except BadInput as error:
-        raise SceneError([Fault(path, str(error.args[0]))]) from error
-
-
-def _outline(body: ObstacleSpec) -> tuple[tuple[float, float], ...]:
-    """The corners of an obstacle in 2D; a disc is approximated by a polygon around it."""
-    if body.center is not None and body.radius is not None:
-        return disc_outline(body.center, body.radius)
-    if body.low is not None and body.high is not None:
-        (a, b), (c, d) = body.low, body.high
-        return (a, b), (c, b), (c, d), (a, d)
-    return tuple((corner[0], corner[1]) for corner in body.vertices)
 
 
 def _shape_of_field(scene: TracersScene) -> tuple[Any, float]:
@@ -249,33 +198,18 @@ def _named_shape(scene: TracersScene, box: Corners) -> Any:
     row = NAMED_FLOWS[flow.name]
     if d not in row.dimensions:
         raise SceneError([Fault("flow.name", f"got {flow.name!r} in {d}D; expected a scene in {row.dimensions[0]}D")])
-    _require_unused(flow, row.keys | {"pulse"}, f"the flow {flow.name}")
+    require_unused(flow, row.keys | {"pulse"}, f"the flow {flow.name}")
     if row.needs_box and scene.tank is None and (flow.low is None or flow.high is None):
         raise SceneError([Fault("flow.high", f"is missing; the flow {flow.name} needs a tank, or low and high")])
     low, high = flow.low or box[0], flow.high or box[1]
     if any(b <= a for a, b in zip(low, high, strict=True)):
         raise SceneError([Fault("flow.high", "expected a corner above low in each direction")])
     middle = flow.center or tuple(0.5 * (a + b) for a, b in zip(low, high, strict=True))
-    request = Request(flow, (_deep(low), _deep(high)), _deep(middle), d, scene.gravity)
+    request = Request(flow, (deep(low), deep(high)), deep(middle), d, scene.gravity)
     try:
         return row.shape(request)
     except BadInput as error:
         raise SceneError([Fault(f"flow.{error.args[1]}", str(error.args[0]))]) from error
-
-
-def _deep(point: Sequence[float]) -> tuple[float, float, float]:
-    """A point as x, y and z; in 2D y is 0."""
-    return (point[0], 0.0, point[1]) if len(point) == 2 else (point[0], point[1], point[2])
-
-
-SHAPE_KEYS = ("speed", "rate", "wavelength", "period", "swing", "radius", "center", "low", "high", "pulse")
-
-
-def _require_unused(flow: FlowSpec, used: frozenset[str], what: str) -> None:
-    """Raise SceneError for keys that a flow does not use."""
-    spare = [key for key in SHAPE_KEYS if key not in used and getattr(flow, key) is not None]
-    if spare:
-        raise SceneError([Fault(f"flow.{key}", f"is not used by {what}; remove it") for key in spare])
 
 
 def _scales(flow: LiquidFlow, box: Corners, duration: float, spacing: float) -> FlowScales:

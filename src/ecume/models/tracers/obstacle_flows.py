@@ -19,6 +19,7 @@ from ecume._jit import admit, compiled_inside
 from ecume.engine.cells import Integers
 from ecume.errors import BadInput, install
 from ecume.laws import flows
+from ecume.models.tracers.simplex_bins import Bins, bins_of
 from ecume.units import Array
 
 admit(flows)
@@ -54,12 +55,7 @@ class ChannelFlow(NamedTuple):
     high: tuple[float, float]
     speed: float
     """m/s, the mean speed"""
-    step: tuple[float, float]
-    """m: of the bins of triangles"""
-    first: Integers
-    """(bins along x, bins along z) where the triangles of a bin begin in `near`"""
-    many: Integers
-    near: Integers
+    bins: Bins
     inverse: Array
     """(T, 6) the corner of each triangle, and the inverse of its edges"""
     along: Array
@@ -72,10 +68,11 @@ def obstacle_velocity(shape: ChannelFlow, x: float, y: float, z: float, time: fl
     """The velocity; zero in obstacles, and beyond the sides that at the sides."""
     x = min(max(x, shape.low[0]), shape.high[0])
     z = min(max(z, shape.low[1]), shape.high[1])
-    column = min(int((x - shape.low[0]) / shape.step[0]), shape.first.shape[0] - 1)
-    row = min(int((z - shape.low[1]) / shape.step[1]), shape.first.shape[1] - 1)
-    for k in range(shape.many[column, row]):
-        t = shape.near[shape.first[column, row] + k]
+    bins = shape.bins
+    column = min(int((x - shape.low[0]) / bins.step[0]), bins.first.shape[0] - 1)
+    row = min(int((z - shape.low[1]) / bins.step[1]), bins.first.shape[1] - 1)
+    for k in range(bins.many[column, row]):
+        t = bins.near[bins.first[column, row] + k]
         right, up = x - shape.inverse[t, 0], z - shape.inverse[t, 1]
         a = shape.inverse[t, 2] * right + shape.inverse[t, 3] * up
         b = shape.inverse[t, 4] * right + shape.inverse[t, 5] * up
@@ -116,8 +113,7 @@ def _solved(
     corners = nodes[triangles]
     edges = np.stack([corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]], axis=2)
     inverse = np.concatenate([corners[:, 0], np.linalg.inv(edges).reshape(-1, 4)], axis=1)
-    step, first, count, near = _bins(corners, low, high)
-    return ChannelFlow(low, high, 1.0, step, first, count, near, inverse, along, upward)
+    return ChannelFlow(low, high, 1.0, bins_of(corners, low, high, math.sqrt(len(corners))), inverse, along, upward)
 
 
 def disc_outline(center: tuple[float, ...], radius: float) -> Outline:
@@ -399,25 +395,3 @@ def _velocities(
     powers = np.array([[a**i * b**j for i, j in EXPONENTS] for a, b in places])
     solved = np.linalg.solve(powers, values.reshape(-1, TERMS).T).T.reshape(2, len(triangles), TERMS)
     return np.ascontiguousarray(solved[0]), np.ascontiguousarray(solved[1])
-
-
-def _bins(
-    corners: Array, low: tuple[float, float], high: tuple[float, float]
-) -> tuple[tuple[float, float], Integers, Integers, Integers]:
-    """A grid of bins, and for each bin the triangles whose bounding boxes overlap it."""
-    sides = np.array(high) - np.array(low)
-    many = max(4, round(math.sqrt(len(corners))))
-    shape = np.maximum(1, np.ceil(sides / sides.max() * many)).astype(int)
-    step = sides / shape
-    first = np.clip(((corners.min(axis=1) - low) / step - 1e-9).astype(int), 0, shape - 1)
-    last = np.clip(((corners.max(axis=1) - low) / step + 1e-9).astype(int), 0, shape - 1)
-    lists: list[list[int]] = [[] for _ in range(int(shape.prod()))]
-    for t, (a, b) in enumerate(zip(first.tolist(), last.tolist(), strict=True)):
-        for column in range(a[0], b[0] + 1):
-            for row in range(a[1], b[1] + 1):
-                lists[column * int(shape[1]) + row].append(t)
-    count = np.array([len(each) for each in lists])
-    start = np.concatenate([[0], np.cumsum(count)[:-1]])
-    near = np.array([t for each in lists for t in each], np.int64)
-    grid = (int(shape[0]), int(shape[1]))
-    return (float(step[0]), float(step[1])), start.reshape(grid), count.reshape(grid), near

@@ -15,7 +15,7 @@ from ecume.models.diagnosis import first_broken, when
 from ecume.models.invariants import INJECTED, Invariant, NumberHistory, Numbers, energy_never_rises
 from ecume.models.liquids import correlations_of
 from ecume.models.model import Model, Source
-from ecume.models.tracers import obstacle_flows
+from ecume.models.tracers import obstacle_flows, obstacle_flows_3d
 from ecume.models.tracers.check_report import BYTES_PER_PARTICLE, summary_in, through_solids
 from ecume.models.tracers.drag_laws import DRAGS
 from ecume.models.tracers.energy_budget import exchange, has_external_work, overdamped_kinetic_energy
@@ -194,7 +194,8 @@ def laws_of(scene: Any) -> list[Source]:
     flow: list[Source] = [*named.papers] if named is not None else []
     around = DETOURS.get((scene.flow.around_obstacles, scene.dimensions))
     flow += [around] if around is not None and named is None else []
-    flow += [obstacle_flows.channel_flow] if scene.flow.around_obstacles != "none" and named is not None else []
+    if scene.flow.around_obstacles != "none" and named is not None:
+        flow.append(obstacle_flows.channel_flow if scene.dimensions == 2 else obstacle_flows_3d.solid_flow)
     given = scene.hydrodynamics
     walls += [wall_drag.perpendicular_factor, wall_drag.parallel_factor] if given.wall_drag else []
     forces: dict[Source, bool] = {
