@@ -35,7 +35,7 @@ SMOOTHING = 8
 CLEARING = 6
 """Rounds at most in which inner nodes are removed whose tetrahedra reach into bodies."""
 FLAT = 0.08
-"""Of the volume of a regular tetrahedron with such edges: flatter ones are mended."""
+"""Of the volume of a regular tetrahedron with such edges: flatter ones are improved."""
 MENDING = 30
 """Rounds at most in which nodes of flat tetrahedra are moved."""
 MOST = 12_000
@@ -162,7 +162,7 @@ def _mesh_of(low: Array, high: Array, bodies: list[Body], periodic: Periodic) ->
     for _ in range(SMOOTHING):
         moved = _smoothed(nodes, _filled(nodes, bodies, size), len(fixed))
         nodes = np.where(clear(moved)[:, None], moved, nodes)
-    nodes = _mended(nodes, len(fixed), lambda each: _filled(each, bodies, size), size, clear, rng)
+    nodes = _improved(nodes, len(fixed), lambda each: _filled(each, bodies, size), size, clear, rng)
     for _ in range(CLEARING):
         tetrahedra = _filled(nodes, bodies, size)
         near = np.unique(tetrahedra[_crossing(nodes, tetrahedra, bodies)])
@@ -250,8 +250,8 @@ LATTICES: dict[int, tuple[tuple[float, ...], tuple[tuple[float, ...], tuple[floa
     2: ((1.0, math.sqrt(3.0)), ((0.0, 0.0), (0.5, 0.5))),
     3: ((2.0 / math.sqrt(3.0),) * 3, ((0.0,) * 3, (0.5,) * 3)),
 }
-"""The sides of the cell of a lattice over the distance of its nodes, and the two nodes in a cell: hexagonal in a plane,
-body-centered in space."""
+"""The sides of the cell of a lattice over the distance of its nodes, and the two nodes in a cell: hexagonal in 2D,
+body-centered in 3D."""
 
 
 def _lattices(box: Box, size: Sizes, extremes: tuple[float, float], rng: np.random.Generator) -> Array:
@@ -347,7 +347,7 @@ def _smoothed(nodes: Array, tetrahedra: Integers, fixed: int) -> Array:
     return moved
 
 
-def _mended(
+def _improved(
     nodes: Array,
     fixed: int,
     filled: Callable[[Array], Integers],
