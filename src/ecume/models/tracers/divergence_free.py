@@ -97,8 +97,8 @@ def inner_correction() -> Array:
     divergence = np.einsum("aqc,nsc->sqna", slopes(), nodes).reshape(4 * len(QUADRATICS), -1)
     without_mean = np.eye(len(QUADRATICS))
     without_mean[0] -= MEAN / MEAN[0]
-    wanted = np.tile(-without_mean, (4, 1))
-    shares = np.linalg.lstsq(divergence, wanted, rcond=1e-10)[0].reshape(len(nodes), 3, len(QUADRATICS))
+    required = np.tile(-without_mean, (4, 1))
+    shares = np.linalg.lstsq(divergence, required, rcond=1e-10)[0].reshape(len(nodes), 3, len(QUADRATICS))
     found: Array = np.einsum("nsc,nap->scap", nodes, shares)
     return found
 
