@@ -18,6 +18,7 @@ UNITS = {
     "Pa": ("kPa", "bar", "atm", "N/m^2"), "N": ("uN", "dyn"), "K": ("degC", "mK"), "1/s": ("Hz", "minute^-1"),
     "kg": ("g", "lb"), "kg/m": ("g/cm",), "J": ("erg", "eV"), "N*m": ("uN*m",), "A*m^2": ("mA*m^2",), "T": ("mT",),
     "1": ("%",), "1/m^3": ("cm^-3", "l^-1"), "1/m^2": ("cm^-2",), "m^2": ("mm^2",), "m^2/s": ("cm^2/s",),
+    "kg/s": ("g/s", "ug/minute"), "N*m/kg": ("J/kg", "mN*m/g"),
 }  # fmt: skip
 """Other units of each dimension that keys have."""
 ENERGIES = {"J", "N*m"}

@@ -46,6 +46,7 @@ def propulsion(
     """The force of the released surfactant along the steady motion of a disc on an infinite surface.
 
     F = (2 b S/v) int J1(z)^2/z (1 - A/sqrt(A^2 + v^2 z^2/R^2)) dz, A = D z^2/R^2 + k. Positive: it drives.
+    Derived from the model of [koyano2018], see above.
 
     >>> 0.0 < propulsion(0.01, 1e-3, 1e-6, 1e-5, 0.1)
     True
@@ -72,7 +73,7 @@ def threshold_friction(
 
     With m = R sqrt(k/D) and int q J1^2/(q^2 + (m/R)^2) dq = I1(m) K1(m), this is
     f = -b S R^2/(2 m D^2) d(I1 K1)/dm. It grows without bound as m falls to zero: without loss, the surfactant that a
-    float leaves behind drives it however slow it is.
+    float leaves behind drives it however slow it is. Derived from the model of [koyano2018], see above.
 
     >>> f = threshold_friction(1e-3, 1e-6, 1e-5, 0.1)
     >>> abs(propulsion(1e-6, 1e-3, 1e-6, 1e-5, 0.1) / (f * 1e-6) - 1.0) < 1e-4
