@@ -68,6 +68,12 @@ def test_a_number_with_other_commas_is_refused(tmp_path: Path, cell: str) -> Non
     assert any(cell in fault for fault in faults_of(tmp_path, f"x;y;radius\n{cell};0;1\n", DEFAULTS))
 
 
+def test_a_quoted_comma_between_columns_with_commas_is_refused(tmp_path: Path) -> None:
+    """There it separates thousands."""
+    (fault,) = faults_of(tmp_path, 'x,y,radius\n"1,234",0,1\n', DEFAULTS)
+    assert fault.endswith("line 2, column x: got '1,234'; expected a number")
+
+
 def test_the_one_entry_of_floats_fills_what_the_table_leaves_out(tmp_path: Path) -> None:
     scene = read(tmp_path, "x [mm],y [mm],radius [mm]\n0,0,1\n5,0,3\n", DEFAULTS)
     assert scene.particles == ()

@@ -300,6 +300,8 @@ class Species(NamedTuple):
     keys: dict[str, Any]
     which: NDArray[np.int64]
     """The indices of its particles in the file."""
+    density: NDArray[np.float64] | None = None
+    """Of each of them, from the file, unless the scene states it."""
 
 
 def matched(start: Start, tables: Sequence[Mapping[str, Any]]) -> list[Species]:
@@ -452,9 +454,7 @@ def filled(raw: dict[str, Any], start: Start) -> None:
     for one in matched(start, tables_of(raw)):
         particles = start.particles
         if raw["model"] == "tracers":
-            _take_density(one, particles)
-        if isinstance(one.keys.get("density"), list):
-            faults += _take_one_density(one)
+            faults += _take_density(one, _densities(one, particles))
         if "radius" not in one.keys:
             faults += _take_radius(one, start)
         moving = raw["model"] == "tracers" and particles.velocity is not None
@@ -465,22 +465,24 @@ def filled(raw: dict[str, Any], start: Start) -> None:
     raw["particles"] = species
 
 
-def _take_density(one: Species, particles: Particles) -> None:
-    """Set the densities of a species without one, a list, from the densities or the masses of the file."""
+def _densities(one: Species, particles: Particles) -> NDArray[np.float64] | None:
+    """The densities of a species without one, from the densities or the masses of the file; None without either."""
+    if "density" in one.keys:
+        return None
+    if particles.density is not None:
+        return particles.density[one.which]
     radius = 0.5 * particles.diameter[one.which] if particles.diameter is not None else None
     if "radius" in one.keys:
         radius = np.full(len(one.which), _length(one.keys["radius"]) or math.nan)
-    if "density" in one.keys or (particles.density is None and (particles.mass is None or radius is None)):
-        return
-    if particles.density is not None:
-        one.keys["density"] = particles.density[one.which].tolist()
-    elif particles.mass is not None and radius is not None and np.isfinite(radius).all():
-        one.keys["density"] = (particles.mass[one.which] / (4.0 / 3.0 * math.pi * radius**3)).tolist()
+    if particles.mass is None or radius is None or not (radius > 0.0).all():
+        return None
+    return np.asarray(particles.mass[one.which] / (4.0 / 3.0 * math.pi * radius**3))
 
 
-def _take_one_density(one: Species) -> Complaints:
-    """Replace the list of densities of a species by the one that all of its particles have."""
-    found = np.array(one.keys.pop("density"))
+def _take_density(one: Species, found: NDArray[np.float64] | None) -> Complaints:
+    """Set the density of a species from those of the file, which must be alike."""
+    if found is None:
+        return []
     if np.ptp(found) > ALIKE * found.max():
         path: Path = ("particles", one.place or 0, "density")
         return [(path, f"is missing; those of the file reach from {found.min():.4g} to {found.max():.4g} kg/m^3")]
@@ -508,10 +510,9 @@ def float_rows(raw: dict[str, Any], start: Start) -> tuple[list[dict[str, Any]],
     """The rows of a scene of floats, and the origin of each. Raises Inconsistent."""
     require_dimensions(start, 2)
     require_box(raw, start, 2)
-    found = matched(start, tables_of(raw))
+    found = [one._replace(density=_densities(one, start.particles)) for one in matched(start, tables_of(raw))]
     faults: Complaints = []
     for one in found:
-        _take_density(one, start.particles)
         if "radius" not in one.keys and start.particles.diameter is None:
             faults.append((("particles", one.place or 0, "radius"), _no_radius(start)))
         else:
@@ -540,8 +541,8 @@ def _faults_of_species(one: Species, particles: Particles) -> Complaints:
 
 def _row(one: Species, particles: Particles, index: int) -> dict[str, Any]:
     keys = {key: value for key, value in one.keys.items() if key not in ("name", "velocity")}
-    if isinstance(keys.get("density"), list):
-        keys["density"] = keys["density"][int(np.searchsorted(one.which, index))]
+    if one.density is not None:
+        keys["density"] = float(one.density[int(np.searchsorted(one.which, index))])
     if "radius" not in keys and particles.diameter is not None:
         keys["radius"] = 0.5 * float(particles.diameter[index])
     x, y = particles.position[index, :2].tolist()

@@ -155,11 +155,12 @@ def followed(
 
 def lines_of(text: str, known: Mapping[str, str] = COLUMNS, required: Sequence[str] = ("x", "y")) -> list[Line]:
     """The lines of a table, whose columns are among the `known`. Raises TableFaults."""
-    cells = _cells(text)
+    delimiter = _delimiter(text)
+    cells = _cells(text, delimiter)
     number, head = next(cells, (1, []))
     columns = _columns(number, head, known, required)
     faults: list[str] = []
-    lines = [_line(number, row, columns, faults) for number, row in cells]
+    lines = [_line(number, row, columns, faults, comma=delimiter != ",") for number, row in cells]
     if not lines:
         faults.append("has no rows below the header")
     if faults:
@@ -167,10 +168,14 @@ def lines_of(text: str, known: Mapping[str, str] = COLUMNS, required: Sequence[s
     return lines
 
 
-def _cells(text: str) -> Iterator[tuple[int, list[str]]]:
-    """Each line's number and cells; empty lines and those that begin with `#` are skipped."""
+def _delimiter(text: str) -> str:
+    """The separator of columns: the most frequent one in the head."""
     first = next((line for line in text.splitlines() if line.strip() and not line.startswith("#")), "")
-    delimiter = max(",;\t", key=first.count)
+    return max(",;\t", key=first.count)
+
+
+def _cells(text: str, delimiter: str) -> Iterator[tuple[int, list[str]]]:
+    """Each line's number and cells; empty lines and those that begin with `#` are skipped."""
     reader = csv.reader(io.StringIO(text, newline=""), delimiter=delimiter, strict=True)
     try:
         for row in reader:
@@ -211,26 +216,27 @@ def _column(cell: str, known: Mapping[str, str]) -> Column:
     return Column(name, scale * factor(unit, known[name]))
 
 
-def _line(number: int, row: Sequence[str], columns: Sequence[Column], faults: list[str]) -> Line:
-    """One line in SI; unreadable cells are added to `faults`."""
+def _line(number: int, row: Sequence[str], columns: Sequence[Column], faults: list[str], *, comma: bool) -> Line:
+    """One line in SI; unreadable cells are added to `faults`. `comma`: whether a comma is the decimal separator."""
     if len(row) != len(columns):
         faults.append(f"line {number}: {len(row)} cells, expected {len(columns)} as in the head")
     values: dict[str, Any] = {}
     for column, cell in zip(columns, row, strict=False):
         try:
-            values[column.name] = _number(cell, column.scale) if column.scale else cell.strip()
+            values[column.name] = _number(cell, column.scale, comma=comma) if column.scale else cell.strip()
         except ValueError:
             faults.append(f"line {number}, column {column.name}: got {echo(cell.strip())}; expected a number")
     return Line(number, values)
 
 
-def _number(cell: str, scale: float) -> float:
+def _number(cell: str, scale: float, *, comma: bool) -> float:
     """The number of a cell in SI. Raises ValueError for infinities, and for notations that only Python accepts. A comma
-    is the decimal separator where columns are separated by something else, as spreadsheets in many languages write.
+    is the decimal separator where columns are separated by something else, as spreadsheets in many languages write;
+    elsewhere it could separate thousands.
     """
     if "_" in cell or not cell.isascii():
         raise ValueError
-    number = float(cell.replace(",", ".") if DECIMAL_COMMA.fullmatch(cell) else cell) * scale
+    number = float(cell.replace(",", ".") if comma and DECIMAL_COMMA.fullmatch(cell) else cell) * scale
     if not math.isfinite(number):
         raise ValueError
     return number
