@@ -212,7 +212,7 @@ def as_particles(plain):
     names = {"positions": "position", "velocities": "velocity", "densities": "density", "masses": "mass"}
     for number, region in enumerate(plain["fluid"]):
         mine = frame.arrays["species"] == number
-        told = {key: region[key] for key in ("color",) if key in region}
+        told = {key: region[key] for key in ("color", "liquid") if key in region}
         regions.append(told | {"particles": {key: frame.arrays[name][mine].tolist() for key, name in names.items()}})
     return plain | {"fluid": regions}
 

@@ -202,6 +202,9 @@ REFUSED = {
     "magnetic_field": {"more": "[magnetic_field]\nsusceptibility = 1.0"},
     "waves": {"more": "[waves]\nfrequency = 100.0\n[[waves.sources]]\nforce = 1e-4"},
     "flow.nodes": {"more": FLOW_TABLE},
+    "surfactant": {
+        "more": DISH + "[surfactant]\ndiffusivity = 1e-4\ntension_slope = 1e3\nsources = [{ release = 1e-8 }]"
+    },
     "dish.law": {"more": DISH + 'law = "profile"'},
     "dish.image": {"more": DISH + 'image = "pinned"'},
     "dish.motion": {"more": DISH + "[dish.motion]\nvelocity = [0.1, 0.0]"},

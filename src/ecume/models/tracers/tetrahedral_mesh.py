@@ -137,7 +137,7 @@ def mesh_of(low: Array, high: Array, bodies: list[Body], periodic: Periodic) -> 
     mesh = _mesh_of(low, high, bodies, periodic)
     volume = float((high - low).prod()) - sum(body.volume for body in bodies)
     if abs(float(np.abs(volumes(mesh.nodes, mesh.tetrahedra)).sum()) - volume) > 1e-9 * volume:
-        raise BadInput("no mesh fits the obstacles; expected them farther apart, and polyhedra with few blunt edges, such as boxes")
+        raise BadInput("no mesh fits the obstacles; expected them farther apart, and few blunt edges, as of boxes")
     # In the order in which scikit-fem has the corners of its elements.
     return Mesh(mesh.nodes, np.sort(mesh.tetrahedra, axis=1))
 
