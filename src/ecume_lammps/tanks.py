@@ -96,6 +96,8 @@ TANKS = (
     Expressible("method.surface_tension_model", tension_of, lambda name: name == "none", "none",
                 "RHEO has no surface tension"),
     Expressible("method.turbulence", turbulent, _none, "none", "RHEO has no eddy viscosity"),
+    Expressible("second_liquid", lambda scene: scene.second_liquid is not None, _none, "false, that is, none",
+                "the deck has one density and one speed of sound"),
     Expressible("liquid.rheology", lambda scene: scene.liquid.rheology is not None, _none, "false, that is, none",
                 "other laws of RHEO would replace it"),
     Expressible("tank.walls", lambda scene: scene.tank.walls, lambda name: name == "mirror", "mirror",

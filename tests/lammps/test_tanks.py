@@ -124,6 +124,8 @@ REFUSED = {
     "method.pressure_split": {"method": 'pressure_split = "modified"'},
     "method.shifting": {"method": 'shifting = "delta-plus"'},
     "method.surface_tension_model": {"liquid": "surface_tension = 0.07"},
+    "second_liquid": {"more": '[second_liquid]\ndensity = 500.0\n[[fluid]]\nlow = ["3 cm", "0 m"]\n'
+                              'high = ["4 cm", "2 cm"]\nliquid = "second"'},
     "liquid.rheology": {"liquid": "rheology = { consistency = 1.0 }"},
     "method.turbulence": {"method": 'turbulence = "smagorinsky"'},
     "tank.walls": {"top": 'walls = "dummy"'},
@@ -134,7 +136,7 @@ REFUSED = {
     "central_force": {"more": '[central_force]\nangular_frequency = 1.0\ncenter = ["4 cm", "1 cm"]'},
     "obstacles": {"more": '[[obstacles]]\ncenter = ["5 cm", "1 cm"]\nradius = "5 mm"'},
     "passive_tracers": {"more": '[[passive_tracers]]\npositions = [["2 cm", "1 cm"]]'},
-}
+}  # fmt: skip
 COUNTED = {"fluid.particles.masses", "user_laws"}
 """Rows whose scenes need files or laws."""
 

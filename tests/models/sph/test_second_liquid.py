@@ -2,6 +2,8 @@
 liquid only is refused.
 """
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
@@ -10,7 +12,10 @@ from ecume.errors import SceneError
 from ecume.models.sph.rates.right_hand_side import evaluate_accelerations, evaluate_density_rate, evaluate_rates
 from ecume.models.sph.rates.surface_tension import contour_energy, contour_forces
 from ecume.models.sph.record import SPH
+from ecume.models.sph.report import observation
 from ecume.models.sph.setup.initial_particles import column_head
+from ecume.models.sph.state import particle_arrays
+from ecume.run import run
 from ecume.scenes.schema import from_plain
 from ecume.simulation import Integration
 from tests.models.sph.scenes import OPEN, PERIODIC
@@ -149,6 +154,29 @@ def from_plain_of_one(scene):
     )  # fmt: skip
 
 
+@pytest.mark.parametrize("seed", range(3))
+def test_it_does_not_matter_which_liquid_is_the_first(seed):
+    """Forces, rates, time steps and the scales of invariants, with viscosities and the usual damping and diffusion."""
+    ratio, found = float(10.0 ** np.random.default_rng(seed).uniform(0.0, 3.0)), []
+    dense, light = {"density": 1.0, "viscosity": 0.02}, {"density": 1.0 / ratio, "viscosity": 0.01}
+    for liquid, second, dense_below in ((dense, light, True), (light, dense, False)):
+        scene = stacked(ratio, liquid=liquid, second=second, dense_below=dense_below)
+        parameters, state, workspace = disturbed(scene, seed)
+        evaluate_rates(parameters, state, workspace, parameters.time_step)
+        evaluate_rates(parameters, state, workspace, parameters.time_step)  # damping has the rate of the one before
+        scales = [row.name for row in SPH.invariants(scene, parameters)], observation._faint(parameters)(ONE)
+        found.append((state.acceleration, state.density_rate, parameters.time_step, *scales))
+    (acceleration, rate, step, names, faint), other = found
+    np.testing.assert_allclose(other[0], acceleration, rtol=1e-9, atol=1e-9 * np.abs(acceleration).max())
+    np.testing.assert_allclose(other[1], rate, rtol=1e-9, atol=1e-9 * np.abs(rate).max())
+    assert other[2] == pytest.approx(step)
+    assert (other[3], other[4]) == (names, pytest.approx(faint))
+
+
+ONE = SimpleNamespace(first={"volume": 1.0})
+"""A run of one cubic meter."""
+
+
 def test_density_diffuses_within_each_liquid_only():
     """Compressed as a whole, a layer does not lose density to the other one."""
     parameters, state, workspace = at_start(stacked(3.0, gravity=[0.0, 0.0], liquid={"maximum_speed": 1.0}))
@@ -222,6 +250,42 @@ def test_regions_and_the_second_liquid_need_each_other():
     plain = {"model": "sph", "duration": 1.0, "frame_every": 0.1, "spacing": 0.1, "tank": {"high": [1.0, 1.0]}}
     with pytest.raises(SceneError, match=r"write the table"):
         from_plain({**plain, "fluid": [{"low": [0.0, 0.0], "high": [0.5, 1.0], "liquid": "second"}]})
+
+
+def test_a_run_of_two_liquids_is_the_start_of_another(tmp_path):
+    run(stacked(2.0, deep=6, duration=0.02, frame_every=0.02), tmp_path / "one")
+    table = "[second_liquid]\ndensity = 0.5\n"
+    text = (
+        'model = "sph"\nduration = 1.0\nframe_every = 0.1\nstart_from = "one@-1"\ngravity = [0.0, -1.0]\n'
+        f"[liquid]\ndensity = 1.0\n{table}[tank]\nhigh = [1.0, 1.0]\n"
+        'left = { kind = "periodic" }\nright = { kind = "periodic" }\n'
+    )
+    (tmp_path / "two.toml").write_text(text)
+    _, state, _ = at_start(ecume.load_scene(tmp_path / "two.toml"))
+    assert 0.45 < state.density[state.region == 1].min() <= state.density[state.region == 1].max() < 0.55
+    (tmp_path / "two.toml").write_text(text.replace(table, ""))
+    with pytest.raises(SceneError, match=r"there is no \[second_liquid\]"):
+        ecume.load_scene(tmp_path / "two.toml")
+
+
+def test_a_liquid_that_has_left_has_no_center():
+    parameters, state, _ = at_start(stacked(2.0, height=1.5))
+    kept = {name: array[..., state.region == 0] for name, array in particle_arrays(state).items()}
+    found = observation.of_liquids(parameters, state._replace(**kept))
+    assert found["first_center_y"] == pytest.approx(0.25, abs=0.01)
+    assert np.isnan(found["second_center_y"])
+
+
+def test_check_reports_the_tension_of_the_interface_only():
+    named = {"density": None, "name": "water"}, {"density": None, "name": "ethanol"}
+    still, acting = ({"interface_tension": 0.0}, {"interface_tension": 0.02})
+    rows = [
+        {row[0]: row[1:] for row in SPH.summary(stacked(2.0, deep=8, liquid=named[0], second={**named[1], **each}))}
+        for each in (still, acting)
+    ]
+    assert not {"surface tension", "Bond number", "wave damping"} & rows[0].keys()
+    assert rows[1]["second liquid: interface tension"][0] == "0.02 N/m"
+    assert float(rows[1]["Bond number"][0]) == pytest.approx((998.2 - 789.5) * 0.5**2 / 0.02, rel=0.01)
 
 
 def test_half_a_run_and_its_other_half_make_the_whole():

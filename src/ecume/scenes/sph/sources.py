@@ -212,7 +212,8 @@ def _length(said: object) -> object:
 def _region(arrays: Mapping[str, Any], mine: Any, region: Any) -> dict[str, Any]:
     keys = {"positions": "position", "velocities": "velocity", "densities": "density", "masses": "mass"}
     particles = {key: arrays[name][mine].tolist() for key, name in keys.items()}
-    return {"particles": particles, **({"color": region.color} if region.color else {})}
+    others = {"color": region.color, "liquid": region.liquid if region.liquid != "first" else ""}
+    return {"particles": particles, **{key: value for key, value in others.items() if value}}
 
 
 def _outline_from(region: dict[str, Any], name: str, folder: Folder) -> None:

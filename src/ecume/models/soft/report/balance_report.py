@@ -66,8 +66,6 @@ def unjoined(parameters: Parameters, state: State, rules: Rules) -> str:
     stresses.
 
     With drag, the liquid bears the stresses.
-
-    With drag, the liquid carries what films do not.
     """
     if parameters.drag.any() or not any(rules):
         return ""

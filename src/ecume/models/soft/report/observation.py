@@ -355,8 +355,6 @@ def _budget(parameters: Parameters, state: State, step: Step, held: float) -> di
     law.
 
     Runs of earlier versions have no energy budget.
-
-    Runs begun by an earlier version have no energy budget.
     """
     if not len(state.budget):
         return {}

@@ -108,9 +108,11 @@ def _effective_viscosity(scene: SphScene, parameters: Parameters) -> list[Row]:
 
 def _waves(scene: SphScene, parameters: Parameters) -> list[Row]:
     """The rows on the decay of the longest standing wave along x, and on waves of moving sides. None for a liquid with
-    a rheology, whose viscosity in small waves is another one.
+    a rheology, whose viscosity in small waves is another one, and none for two liquids.
     """
     pull = gravity_of(scene)
+    if scene.second_liquid is not None:
+        return []
     up = scene.up_axis
     if not pull[up] < 0.0 or np.delete(pull, up).any() or not free_surface(scene) or parameters.rheology is not None:
         return []
@@ -193,12 +195,14 @@ def wavenumber_of(turning: float, water: Water) -> float:
 
 
 def _tension_regime(scene: SphScene, parameters: Parameters) -> list[Row]:
-    tension, material = filled(scene.liquid).surface_tension or 0.0, parameters.material
+    material, second = parameters.material, scene.second_liquid
+    tension = filled(scene.liquid if second is None else second.alone).surface_tension or 0.0
     if tension == 0.0:
         return []
+    weighed = abs(material.density - sum(above.density for above in parameters.materials[1:]))
     extent, pull = smallest_extent(scene), math.hypot(*gravity_of(scene))
     if pull > 0.0:
-        name, number = "Bond number", material.density * pull * extent**2 / tension
+        name, number = "Bond number", weighed * pull * extent**2 / tension
     elif tension_of(scene) == "none":
         name, number = "Weber number", material.density * material.fastest**2 * extent / tension
     else:  # the expected speed is the one caused by surface tension
@@ -383,8 +387,9 @@ def thin_solids(scene: SphScene, parameters: Parameters) -> list[Row]:
 
 def _liquid(scene: SphScene, parameters: Parameters) -> list[Row]:
     material = parameters.material
+    own = [row for row in material_rows(scene.liquid) if parameters.second is None or row[0] != "surface tension"]
     return [
-        *material_rows(scene.liquid),
+        *own,
         (
             "maximum speed",
             with_prefix(material.fastest, "m/s"),

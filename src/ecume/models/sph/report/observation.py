@@ -522,13 +522,14 @@ LIQUIDS = ("first", "second")
 
 
 def of_liquids(parameters: Parameters, state: State) -> dict[str, float]:
-    """The center of mass of each of two liquids, and its velocity."""
+    """The center of mass of each of two liquids, and its velocity; NaN once all of it has left."""
     found: dict[str, float] = {}
     for name, (_, who) in zip(LIQUIDS, parameters.parts(state.region), strict=True):
         mass = state.mass[who]
+        total = float(np.sum(mass)) or math.nan
         for axis, letter in enumerate("xyz"[: parameters.dimension]):
-            found[f"{name}_center_{letter}"] = dot(mass, state.position[axis, who]) / float(np.sum(mass))
-            found[f"{name}_velocity_{letter}"] = dot(mass, state.velocity[axis, who]) / float(np.sum(mass))
+            found[f"{name}_center_{letter}"] = dot(mass, state.position[axis, who]) / total
+            found[f"{name}_velocity_{letter}"] = dot(mass, state.velocity[axis, who]) / total
     return found
 
 
@@ -635,7 +636,7 @@ def _rows(scene: SphScene, parameters: Parameters) -> Iterator[Invariant]:
     if not has_unbudgeted_work(parameters):
         yield energy_never_rises(RISE, _faint(parameters))
     if _alone(scene):
-        density = parameters.material.density
+        density = max(each.density for each in parameters.materials)
 
         def momenta(seen: NumberHistory) -> float:
             return math.sqrt(2.0 * density * seen.first["volume"] * seen.largest["kinetic_energy"])
@@ -647,9 +648,9 @@ def _faint(parameters: Parameters) -> Callable[[NumberHistory], float]:
     """The energy of a faint motion, and of a weight that is lifted by a particle's diameter: a liquid at rest moves by
     some hundredths of that while its layers settle.
     """
-    material = parameters.material
-    pull = float(np.linalg.norm(parameters.gravity))
-    each = material.density * (0.5 * (FAINT * material.fastest) ** 2 + pull * parameters.spacing)
+    pull, fastest = float(np.linalg.norm(parameters.gravity)), parameters.material.fastest
+    each = max(liquid.density for liquid in parameters.materials)
+    each *= 0.5 * (FAINT * fastest) ** 2 + pull * parameters.spacing
     return lambda seen: each * seen.first["volume"]
 
 
