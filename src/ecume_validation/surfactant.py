@@ -14,7 +14,7 @@ import numpy as np
 
 from ecume.laws import camphor
 from ecume.laws.capillarity import pair_force
-from ecume.laws.drag import disc_friction, particle_reynolds, schiller_naumann_factor
+from ecume.laws.drag import disc_friction
 from ecume.models import MODELS
 from ecume.scenes.schema import from_plain
 from ecume.simulation import simulate
@@ -99,15 +99,9 @@ def stokes_speed(radius: Length) -> float:
 
 
 def fast_speed(radius: Length) -> float:
-    """The same with a drag that grows with the Reynolds number of the disc, by bisection."""
-    drive, low, high = SLOPE * PER_AREA * math.pi * radius**2, 1e-6, 1e3
-    while high > 1.0001 * low:
-        speed = math.sqrt(low * high)
-        factor = schiller_naumann_factor(particle_reynolds(speed, radius, DENSITY, VISCOSITY))
-        drag = disc_friction(radius, VISCOSITY) * factor * speed
-        faster = camphor.propulsion(speed, radius, drive, 1e-8, 0.0) > drag
-        low, high = (speed, high) if faster else (low, speed)
-    return high
+    """The same with a drag that grows with the Reynolds number of the disc."""
+    drive = SLOPE * PER_AREA * math.pi * radius**2
+    return camphor.swimming_speed(disc_friction(radius, VISCOSITY), radius, drive, 1e-8, 0.0, DENSITY / VISCOSITY)
 
 
 RADIUS_OF_PAIR, BOUND, SHORT, FINE = 1e-3, 3.5e-3, 100.0, 2.5e-4

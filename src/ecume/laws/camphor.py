@@ -22,6 +22,7 @@ from typing import Annotated
 import numpy as np
 
 from ecume.laws.arguments import require_positive
+from ecume.laws.drag import TimePerArea, schiller_naumann_factor
 from ecume.units import Array, Force, Length, Speed, Unit
 
 Release = Annotated[float, Unit("N/s")]
@@ -38,6 +39,8 @@ FrictionCoefficient = Annotated[float, Unit("N*s/m")]
 SMALLEST, LARGEST, NODES = 1e-6, 3e2, 20_000
 """The ends and the number of points of the integral over q R, on a logarithmic scale."""
 TINY = 1e-300
+SLOWEST = 1e-12
+"""m/s: slower discs count as being at rest."""
 
 
 def propulsion(
@@ -91,22 +94,29 @@ def threshold_friction(
 
 def swimming_speed(
     friction: FrictionCoefficient, radius: Length, release: Release, diffusivity: SurfaceDiffusivity,
-    loss_rate: LossRate,
+    loss_rate: LossRate, inverse_viscosity: TimePerArea = 0.0,
 ) -> Speed:  # fmt: skip
     """The speed at which the propulsion of a lone disc balances its drag, F(v) = zeta v; 0 below the threshold.
+
+    With `inverse_viscosity`, rho/eta, the friction zeta grows with the Reynolds number 2 R v rho/eta, see
+    `schiller_naumann_factor`.
 
     >>> swimming_speed(1.0, 1e-3, 1e-6, 1e-5, 0.1)
     0.0
     """
     require_positive("friction", friction)
-    if loss_rate > 0.0 and threshold_friction(radius, release, diffusivity, loss_rate) <= friction:
+
+    def faster(speed: float) -> bool:
+        drag = friction * schiller_naumann_factor(2.0 * radius * speed * inverse_viscosity) * speed
+        return propulsion(speed, radius, release, diffusivity, loss_rate) > drag
+
+    low, high = SLOWEST, math.sqrt(release / friction)
+    if (loss_rate > 0.0 and threshold_friction(radius, release, diffusivity, loss_rate) <= friction) or not faster(low):
         return 0.0
-    low, high = 1e-12, math.sqrt(release / friction)
     # F(v) v < 2 b S int J1^2/z dz = b S: no faster than sqrt(b S/zeta).
     for _ in range(60):
         middle = math.sqrt(low * high)
-        faster = propulsion(middle, radius, release, diffusivity, loss_rate) > friction * middle
-        low, high = (middle, high) if faster else (low, middle)
+        low, high = (middle, high) if faster(middle) else (low, middle)
         if high < low * (1.0 + 1e-10):
             break
     return high

@@ -239,6 +239,20 @@ def settling_reynolds(stokes_reynolds: Number) -> Number:
     return 0.5 * (low + high)
 
 
+def inertial_speed(stokes_speed: Speed, radius: Length, inverse_viscosity: TimePerArea) -> Speed:
+    """The speed of a sphere by the force that moves it at `stokes_speed` with Stokes drag, with Schiller and Naumann's.
+    [schiller1933].
+
+    `inverse_viscosity` is rho/eta; zero for Stokes drag.
+
+    >>> inertial_speed(0.01, 1e-3, 0.0), round(inertial_speed(0.01, 1e-3, 1e6), 5)
+    (0.01, 0.00559)
+    """
+    if inverse_viscosity == 0.0:
+        return stokes_speed
+    return settling_reynolds(2.0 * radius * stokes_speed * inverse_viscosity) / (2.0 * radius * inverse_viscosity)
+
+
 def haider_levenspiel_factor(reynolds: Number, sphericity: Number) -> Number:
     """The drag of a nonspherical particle over Stokes drag on the sphere of its volume.
 

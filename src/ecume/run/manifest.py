@@ -9,7 +9,7 @@ import importlib.metadata
 import os
 import platform
 import socket
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -17,6 +17,7 @@ from ecume._plain_files import opened
 from ecume._version import __version__
 from ecume.run.directory import RunDirectory, identity_of, manifest_of, write
 from ecume.trajectories.records import clean, storing
+from ecume.trajectories.segments import segment_files
 
 if TYPE_CHECKING:
     from ecume.scenes.schema import Scene
@@ -64,13 +65,23 @@ def first_manifest(scene: Scene, source: bytes, plain: str) -> dict[str, Any]:
 
 
 def flow_file(scene: Scene) -> dict[str, str]:
-    """The digest of the file with the velocities of the liquid, if the scene names one; of a run that of its end."""
+    """The digest of the file with the velocities of the liquid, if the scene names one."""
     field = getattr(getattr(scene, "flow", None), "field", None)
     if field is None:
         return {}
-    path = Path(field.file)
-    with storing(path), (path / "DONE.json" if path.is_dir() else path).open("rb") as file:
-        return {FLOW_FILE: hashlib.file_digest(file, "sha256").hexdigest()}
+    path, total = Path(field.file), hashlib.sha256()
+    for each in _flow_files(path):
+        with storing(each), each.open("rb") as file:
+            hashlib.file_digest(file, lambda: total)
+    return {FLOW_FILE: total.hexdigest()}
+
+
+def _flow_files(path: Path) -> Sequence[Path]:
+    """The files that determine the velocities: of a run its end, or the frames that it has so far."""
+    if not path.is_dir():
+        return [path]
+    done, frames = path / "DONE.json", path / "traj"
+    return [done] if done.exists() else segment_files(frames if frames.is_dir() else path)
 
 
 FLOW_FILE = "flow_sha256"

@@ -7,9 +7,10 @@ import numpy as np
 import pytest
 
 from ecume.errors import SceneError
+from ecume.laws.drag import schiller_naumann_factor
 from ecume.models import MODELS
 from ecume.models.floating.forces.activity import Activity, ActivityScratch, renew_activity
-from ecume.units import with_prefix
+from ecume.units import parse, with_prefix
 from tests.models import begun
 from tests.models.floating.bowls import WATER, scene_of
 
@@ -135,3 +136,18 @@ def test_check_states_the_speed_of_swimmers_and_the_length_of_their_paths():
     (row,) = (row for row in FLOATING.summary(scene) if row[0] == "speed of free swimmers")
     assert row[1] == with_prefix(speed, "m/s", 3)
     assert row[2].startswith(f"persistence length {with_prefix(2.0 * speed, 'm', 3)}, {2.0 * speed / 1e-4:.3g} radii")
+
+
+def test_check_states_the_speed_of_fast_swimmers_with_the_drag_of_the_scene():
+    """Re f(Re) = 125 with Re = 37: the drag is 3.4 times as large as by Stokes's law."""
+    scene = scene_of(
+        f"{WATER}[activity]\npropulsion = 5e-7\nrotational_diffusion = 0.5\n"
+        "[[particles]]\nradius = 5e-4\ndensity = 1000.0\ncontact_angle = 1.57\npositions = [[0.0, 0.0]]\n"
+    )
+    parameters = FLOATING.parameters(scene)
+    slow = 5e-7 * float(parameters.floats.relaxation_time[0] / parameters.floats.mass[0])
+    (row,) = (row for row in FLOATING.summary(scene) if row[0] == "speed of free swimmers")
+    speed, thickness = parse(row[1], "m/s"), parameters.drift.thickness
+    assert thickness > 0.0
+    assert speed < 0.5 * slow
+    assert speed * schiller_naumann_factor(2.0 * 5e-4 * speed * thickness) == pytest.approx(slow, rel=0.01)

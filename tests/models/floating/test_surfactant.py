@@ -1,6 +1,7 @@
 """Floats that release surfactant: its concentration, its mass, and the forces of the surface tension."""
 
 import math
+import re
 
 import numpy as np
 import pytest
@@ -15,6 +16,7 @@ from ecume.models.floating.forces.surfactant import (
     Surfactant,
     centers_of,
     tension_forces,
+    tension_gradient,
     weights_at,
 )
 from ecume.models.floating.parameters import part_of
@@ -22,6 +24,7 @@ from ecume.models.invariants import NumberHistory
 from ecume.run.checkpoints import Checkpoint, newest, save
 from ecume.run.directory import RunDirectory
 from ecume.simulation import simulate
+from ecume.units import parse
 from tests.models.floating.bowls import scene_of
 
 FLOATING = MODELS["floating"]
@@ -85,6 +88,51 @@ def test_a_float_swims_above_the_threshold_and_stops_below_it(times_threshold, g
     assert FLOATING.advance(parameters, state, FLOATING.workspace(parameters, state, 1.0), 500) == 0
     assert (state.velocity[0, 0] > before[0, 0]) == grows
     assert 0.0 < abs(state.velocity[0, 1]) < 0.15 * state.velocity[0, 0]
+
+
+def rows(scene, name):
+    """The rows of `ecume check` with this name."""
+    return [row for row in FLOATING.summary(scene) if row[0] == name]
+
+
+def test_check_states_the_speed_of_a_lone_float_with_the_drag_of_the_scene():
+    """At a Reynolds number of 50, at which the drag is three times as large as by Stokes's law."""
+    drag = "[hydrodynamics]\ndrag = 'schiller-naumann'\n"
+    scene = boats([[0.03, 0.03]], release=1e-7, velocity="[2e-2, 0.0]", rest=ALONE + drag, duration=1.2,
+                  frame_every=1.2)  # fmt: skip
+    ((_, speed, remark),) = rows(scene, "swimming speed")
+    _, state = advanced(scene, 600)
+    assert float(np.hypot(*state.velocity[0])) == pytest.approx(parse(speed, "m/s"), rel=0.1)
+    assert "with the radius" not in remark
+
+
+def test_check_states_the_speeds_of_the_smallest_and_the_largest_source():
+    more = "[[particles]]\nradius = 2.5e-3\ndensity = 980.0\ncontact_angle = 1.57\npositions = [[0.01, 0.01]]\n"
+    found = rows(boats([[0.03, 0.03]], rest=f"{more}{ALONE}{STOKES}"), "swimming speed")
+    assert [row[2].split(" on ")[0] for row in found] == [f"of a lone float with the radius {r} mm" for r in (1.5, 2.5)]
+    assert found[0][1] != found[1][1]
+
+
+def test_a_float_that_would_be_slower_than_any_that_is_seen_is_at_rest():
+    """Without loss the speed falls exponentially with the friction."""
+    assert camphor.swimming_speed(1.0, 1e-3, 1e-9, 1e-5, 0.0) == 0.0
+
+
+def test_the_time_step_follows_from_the_steepest_gradient_of_a_drop():
+    """Overdamped floats at the edge of the drop move by a fifth of a radius in a good step."""
+    drop = "[[surfactant.drops]]\nposition = [0.03, 0.03]\nradius = 3e-3\nmass = 1e-7\n"
+    known = {"release": 0.0, "drops": drop, "duration": 1e-3, "frame_every": 1e-3}
+    ring = [
+        [0.03 + r * math.cos(a), 0.03 + r * math.sin(a)] for r, a in zip((2e-3, 3e-3, 4e-3), (0, 2, 4), strict=True)
+    ]
+    overdamped = "\nintegrator = 'overdamped'"
+    with pytest.raises(SceneError, match=r"time_step: 0.001 s is unstable here") as caught:
+        FLOATING.parameters(boats(ring, step=f"1e-3{overdamped}", **known))
+    good = float(re.search(r"([0-9.e-]+) s is good", str(caught.value))[1])
+    steps = math.ceil(1e-3 / good)
+    _, state = advanced(boats(ring, step=f"{1e-3 / steps!r}{overdamped}", **known), 1)
+    moved = np.hypot(*(state.position - np.array(ring)).T) / 1.5e-3
+    assert 0.02 < moved.max() < 0.2
 
 
 def test_a_float_at_rest_feels_no_force_of_its_own_anywhere_between_the_nodes():
@@ -264,6 +312,15 @@ def test_pepper_moves_away_from_a_drop_of_soap():
     assert frames[-1].numbers["injected_work"] > 0.0
 
 
+def test_the_surface_tension_does_not_become_negative():
+    """From the middle of a drop of much soap to clean water it rises by the tension of water, which it lacks there."""
+    drop = "[[surfactant.drops]]\nposition = [0.03, 0.03]\nradius = 1e-2\nmass = 1e-4\n"
+    part = part_of(FLOATING.parameters(boats([[0.031, 0.03]], release=0.0, drops=drop)), Surfactant)
+    assert (part.slope * part.start).max() > 3.0
+    outward = tension_gradient(part, part.start)[0][60:, 60]
+    assert float(outward.sum()) * part.width[0] == pytest.approx(0.0728, rel=0.01)
+
+
 def test_a_saturated_surface_pulls_nothing():
     drop = "[[surfactant.drops]]\nposition = [0.03, 0.03]\nradius = 1e-2\nmass = 1e-4\n"
     field = f"{FIELD}largest_fall = 0.03\n"
@@ -298,6 +355,7 @@ def test_the_weights_of_a_disc_near_a_wall_are_in_the_dish_and_sum_to_one():
     [
         (lambda: boats([[0.0, 0.0]], around=""), "surfactant: a surfactant needs a dish or a periodic cell"),
         (lambda: boats([[0.0, 0.0]], field=FIELD.replace("5e-4", "2e-3")), r"surfactant\.spacing"),
+        (lambda: boats([[0.0, 0.0]], field=f"{FIELD}largest_fall = 0.08\n"), r"largest_fall: .*surface tension, 0\.07"),
         (lambda: boats([[0.0, 0.0]], release=0.0), r"surfactant\.sources: is missing"),
         (lambda: boats([[0.01, 0.01]], rest='[hydrodynamics]\ndrag = "none"\n'), "needs drag"),
     ],

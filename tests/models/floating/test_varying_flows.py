@@ -1,6 +1,7 @@
 """Floats on a surface whose flow varies in time: velocities of a file, by the code that tracers use."""
 
 import math
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -9,6 +10,7 @@ from ecume.errors import BadInput, SceneError
 from ecume.models import MODELS
 from ecume.models.floating.forces.flow_and_noise import current_at
 from ecume.run import resume, run
+from ecume.run.manifest import flow_file
 from ecume.scenes.load import load_scene
 from ecume.simulation import simulate
 from tests.models.floating.bowls import WATER
@@ -187,3 +189,15 @@ def test_a_run_is_not_resumed_with_another_flow(tmp_path):
     write_flow(tmp_path, "steady", [0.0], lambda x, y, t: (0.02 + 0.0 * x, 0.0 * y))
     with pytest.raises(BadInput, match=r"steady.npz has changed since the run was started"):
         resume(tmp_path / "run")
+
+
+@pytest.mark.parametrize("frames", ["traj", ""])
+def test_the_flow_of_a_run_that_has_not_ended_is_that_of_its_frames(tmp_path, frames):
+    source = tmp_path / "run"
+    (source / frames).mkdir(parents=True)
+    scene = SimpleNamespace(flow=SimpleNamespace(field=SimpleNamespace(file=str(source))))
+    found = []
+    for content in (b"one", b"two"):
+        (source / frames / "0000.gsd").write_bytes(content)
+        found.append(flow_file(scene)["flow_sha256"])
+    assert len(set(found)) == 2

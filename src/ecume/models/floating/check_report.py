@@ -8,7 +8,7 @@ from collections.abc import Iterable, Sequence
 import numpy as np
 
 from ecume.laws import capillarity, flotation
-from ecume.laws.drag import added_mass, schiller_naumann_factor
+from ecume.laws.drag import added_mass, inertial_speed, schiller_naumann_factor
 from ecume.laws.flotation.nonspherical import greatest_rim_load
 from ecume.laws.pair_laws import PAIR_LAWS, described
 from ecume.models.costs import Content, frame_cost
@@ -158,7 +158,9 @@ def _summary_of_propulsion(parameters: Parameters) -> list[Row]:
     if part is None or not part.propulsion.any():
         return []
     swims = np.flatnonzero(part.propulsion)
-    speed = (part.propulsion * floats.relaxation_time / floats.mass)[swims]
+    slow = part.propulsion * floats.relaxation_time / floats.mass
+    faster = parameters.drift.thickness
+    speed = np.array([inertial_speed(float(slow[k]), float(floats.radius[k]), faster) for k in swims])
     with np.errstate(divide="ignore"):
         length = speed / part.diffusion[swims]
     kept = "their headings do not diffuse"

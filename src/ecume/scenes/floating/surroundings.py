@@ -447,7 +447,7 @@ class SurfactantSpec:
     """The rate at which surfactant leaves the surface by evaporation and dissolution (1/s). Example: `0.5`. Effect:
     limits the range of the surfactant and the trail behind a float."""
     largest_fall: Tension | None = None
-    """The largest fall of the surface tension (N/m), where the surface is saturated; by default none. Example:
+    """The largest fall of the surface tension (N/m), where the surface is saturated; by default all of it. Example:
     `"40 mN/m"`. Effect: no forces act where the surface is saturated."""
     advected: Switch = True
     """Whether the imposed flow of the surface carries the surfactant along. Effect: moves the surfactant with

@@ -44,7 +44,7 @@ MOST_CELLS = 4_000_000
 PAIRS_PER_CELL = 15.0
 """Pairs that cost as much time as a cell in a step of diffusion, measured: 80 ns."""
 RADII = 4.0
-"""The time scale of swimming in radii over the highest possible speed: a good step is a fifth of a radius, of second
+"""The time scale of motion in radii over the highest possible speed: a good step is a fifth of a radius, of second
 order.
 """
 SAFE = 0.8
@@ -97,6 +97,10 @@ class SurfactantScratch(NamedTuple):
     """of a steady flow: see `face_speeds`"""
     energy: Array
     """(1,) J: the free energy of the present concentration"""
+
+
+Row = tuple[str, str, str]
+"""A row of `ecume check`."""
 
 
 class Weights(NamedTuple):
@@ -181,11 +185,8 @@ def advance_surfactant(
         state.tally[WORK] += 0.5 * step * float(np.sum((scratch.before + scratch.force) * scratch.moved))
         return
     scratch.before[:] = scratch.force
-    area = float(np.prod(part.width))
     midway = state.position + 0.5 * step * state.velocity
-    cells = weights_at(part, midway, parameters.floats.radius)
-    source = np.zeros_like(c)
-    np.add.at(source, (cells.i, cells.j), part.release[:, None, None] * cells.weight / area)
+    source = released(part, midway, parameters.floats.radius)
     speeds = scratch.speeds
     if part.flows and speeds is None:
         speeds = face_speeds(part, parameters, (float(state.step[0]) + 0.5) * step)
@@ -194,7 +195,8 @@ def advance_surfactant(
     if speeds is not None:
         changes[BY_FLOW] = partial(carry, part, c, speeds, step / count)
     changes[BY_DIFFUSION] = partial(diffuse, part, c, step / count)
-    changes[BY_RELEASE] = partial(add, c, step / count * source)
+    if source is not None:
+        changes[BY_RELEASE] = partial(add, c, step / count * source)
     if part.loss_rate > 0.0:
         changes[BY_LOSS] = partial(lose, part, scratch, step / count)
     for _ in range(count):
@@ -203,6 +205,17 @@ def advance_surfactant(
             before, scratch.energy[0] = float(scratch.energy[0]), free_energy(part, c)
             scratch.totals[term] += scratch.energy[0] - before
     scratch.totals[RELEASED] += step * float(part.release.sum())
+
+
+def released(part: Surfactant, position: Array, radius: Array) -> Array | None:
+    """The release of all floats into each cell (kg/(m^2 s)); None if no float releases surfactant."""
+    sources = np.flatnonzero(part.release)
+    if not len(sources):
+        return None
+    found, cells = np.zeros(part.wet.shape), weights_at(part, position[sources], radius[sources])
+    mass = part.release[sources][:, None, None] * cells.weight
+    np.add.at(found, (cells.i, cells.j), mass / float(np.prod(part.width)))
+    return found
 
 
 def diffuse(part: Surfactant, c: Array, time: float) -> None:
@@ -344,14 +357,32 @@ def surfactant_of(parameters: Parameters, scene: FloatingScene) -> Built:
             raise scene_error(path, f"got {source.species!r}; expected a name among {known}")
         release += source.release * np.array([source.species in ("", names[one]) for one in floats.species])
     part = _on_grid(parameters, scene, release)
-    # Two floats repel one another as by a spring of b S/D at most.
-    stiffness = given.tension_slope * float(release.max(initial=0.0)) / (2.0 * math.pi * given.diffusivity)
-    if stiffness == 0.0:
-        return Built(part)
-    friction = floats.mass / floats.relaxation_time
-    scales = np.maximum(np.sqrt(floats.mass / stiffness) if parameters.scheme.inertia else 0.0, friction / stiffness)
-    fastest = np.sqrt(given.tension_slope * float(release.max()) / friction)
-    return Built(part, shortest_time=min(float(scales.min()), RADII * float((floats.radius / fastest).min())))
+    return Built(part, shortest_time=min(_time_of_sources(part, parameters), _time_of_drops(part, parameters)))
+
+
+def _time_of_sources(part: Surfactant, parameters: Parameters) -> float:
+    """The shortest time scale of sources (s): of their repulsion, and of swimming."""
+    floats, strongest = parameters.floats, part.slope * float(part.release.max(initial=0.0))
+    if strongest == 0.0:
+        return math.inf
+    # Two floats repel one another as by a spring of b S/(2 pi D) at most.
+    repelled = _time_on_springs(parameters, np.full_like(floats.radius, strongest / (2.0 * math.pi * part.diffusivity)))
+    fastest = np.sqrt(strongest * floats.relaxation_time / floats.mass)
+    return min(repelled, RADII * float((floats.radius / fastest).min()))
+
+
+def _time_of_drops(part: Surfactant, parameters: Parameters) -> float:
+    """The shortest time scale in the steepest gradient at the start (s), which diffusion flattens."""
+    steepest = float(np.hypot(*tension_gradient(part, part.start)).max())
+    # The force over the radius.
+    return RADII * _time_on_springs(parameters, math.pi * parameters.floats.radius * steepest) if steepest else math.inf
+
+
+def _time_on_springs(parameters: Parameters, stiffness: Array) -> float:
+    """The shortest time (s) of floats on springs (N/m): of an oscillation, or of the relaxation if drag dominates."""
+    floats = parameters.floats
+    oscillation = np.sqrt(floats.mass / stiffness) if parameters.scheme.inertia else 0.0
+    return float(np.maximum(oscillation, floats.mass / floats.relaxation_time / stiffness).min())
 
 
 def _on_grid(parameters: Parameters, scene: FloatingScene, release: Array) -> Surfactant:
@@ -367,7 +398,10 @@ def _on_grid(parameters: Parameters, scene: FloatingScene, release: Array) -> Su
     if math.prod(counts.tolist()) > MOST_CELLS:
         message = f"{spacing:g} m makes {math.prod(counts.tolist()):.2g} cells; expected at most {MOST_CELLS:.0e}"
         raise scene_error("surfactant.spacing", message)
-    width = (high - low) / counts
+    width, tension = (high - low) / counts, liquid_of(scene).surface_tension
+    if given.largest_fall is not None and given.largest_fall > tension:
+        message = f"got {given.largest_fall:g} N/m; expected at most the surface tension, {tension:g} N/m"
+        raise scene_error("surfactant.largest_fall", message)
     x, y = (start + (np.arange(n) + 0.5) * h for start, n, h in zip(low, counts, width, strict=True))
     wet = np.ones(counts.tolist(), bool) if periodic else _inside(parameters.walls, x, y)
     along, across = ((wet & np.roll(wet, -1, axis)).astype(np.float64) for axis in (0, 1))
@@ -375,8 +409,8 @@ def _on_grid(parameters: Parameters, scene: FloatingScene, release: Array) -> Su
         along[-1, :], across[:, -1] = 0.0, 0.0
     part = Surfactant(
         release, given.diffusivity, given.loss_rate, given.tension_slope,
-        math.inf if given.largest_fall is None else given.largest_fall,
-        liquid_of(scene).surface_tension / given.tension_slope, low, width, wet, along, across,
+        tension if given.largest_fall is None else given.largest_fall, tension / given.tension_slope, low, width, wet,
+        along, across,
         given.advected and parameters.drift.flows, np.zeros(wet.shape),
     )  # fmt: skip
     for number, drop in enumerate(given.drops):
@@ -404,28 +438,38 @@ def surfactant_work(part: Surfactant, time_step: float) -> float:
     return PAIRS_PER_CELL * part.wet.size * (1.0 + math.ceil(time_step / longest_step(part, None)))
 
 
-def surfactant_lines(part: Surfactant, parameters: Parameters) -> list[tuple[str, str, str]]:
+def surfactant_lines(part: Surfactant, parameters: Parameters) -> list[Row]:
     """The rows of `ecume check`: the grid, the range of the surfactant, and how fast a lone float swims."""
     nx, ny = part.wet.shape
     count = math.ceil(parameters.time_step / longest_step(part, None))
     rows = [("surfactant", f"{nx} x {ny} cells", f"of {with_prefix(float(part.width.max()), 'm', 3)}; "
-             f"{count} steps of diffusion in each time step")]  # fmt: skip
+             f"{count} step{'s' * (count > 1)} of diffusion in each time step")]  # fmt: skip
     if part.loss_rate > 0.0:
         far, long = math.sqrt(part.diffusivity / part.loss_rate), 1.0 / part.loss_rate
         rows.append(("range of the surfactant", with_prefix(far, "m", 3), f"it is lost after {duration_text(long)}"))
-    floats = parameters.floats
     for release in dict.fromkeys(part.release[part.release > 0.0].tolist()):
-        i = int(np.flatnonzero(part.release == release)[0])
-        friction, drive = float(floats.mass[i] / floats.relaxation_time[i]), part.slope * release
-        rows.append(_swimming(float(floats.radius[i]), friction, drive, part))
+        alike = np.flatnonzero(part.release == release)
+        by_size = alike[np.argsort(parameters.floats.radius[alike])]
+        ends = dict.fromkeys(parameters.floats.radius[by_size[[0, -1]]].tolist())
+        for i in by_size[[0, -1]][: len(ends)]:
+            rows.append(_swimming(part, parameters, int(i), part.slope * release, of_size=len(ends) > 1))
     return rows
 
 
-def _swimming(radius: float, friction: float, drive: float, part: Surfactant) -> tuple[str, str, str]:
-    speed = camphor.swimming_speed(friction, radius, drive, part.diffusivity, part.loss_rate)
+def _swimming(part: Surfactant, parameters: Parameters, i: int, drive: float, *, of_size: bool) -> Row:
+    """The speed of a float on its own."""
+    floats, radius = parameters.floats, float(parameters.floats.radius[i])
+    friction = float(floats.mass[i] / floats.relaxation_time[i])
+    speed = camphor.swimming_speed(
+        friction, radius, drive, part.diffusivity, part.loss_rate, parameters.drift.thickness
+    )
+    remark = "of a lone float"
+    if of_size:
+        remark += f" with the radius {with_prefix(radius, 'm', 3)}"
+    remark += " on an infinite surface"
     if part.loss_rate == 0.0:
-        remark = "of a lone float on an infinite surface; without loss any release makes it swim"
+        remark += "; without loss any release makes it swim, however slowly"
     else:
         ratio = camphor.threshold_friction(radius, drive, part.diffusivity, part.loss_rate) / friction
-        remark = f"of a lone float on an infinite surface, released {ratio:.3g} times as fast as it takes to swim"
+        remark += f", released {ratio:.3g} times as fast as it takes to swim"
     return "swimming speed", with_prefix(speed, "m/s", 3) if speed > 0.0 else "0 (at rest)", remark
