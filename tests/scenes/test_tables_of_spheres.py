@@ -86,6 +86,7 @@ def test_a_table_means_the_same_scene_as_its_positions(tmp_path_factory, places)
         (TRACERS, "x,y,z\n1,2,1\n", species("radius = 1e-6\ndensity = [9, 9]"), "density: got a list of 2"),
         (TRACERS, "x,y,z\n1,2,x\n", species(f"{DENSITY}\nradius = 1e-6"), "line 2, column z: got 'x'"),
         (TRACERS, "x,y,z\n1,2,1\n", species('name = "a"', 'name = "b"'), "has particles without a name"),
+        (TRACERS, "x,y,z\n1,2,1\n", "", "the scene has no [[particles]]; expected one [[particles]] table"),
         (TRACERS, "x,y,z,name\n1,2,1,c\n", species('name = "a"', 'name = "b"'), "expected a species named 'c'"),
         (TRACERS, "x,y,z\n1,2,1\n", 'start_from = "a@0"', "only one can stand"),
     ],

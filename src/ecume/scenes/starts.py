@@ -360,6 +360,8 @@ def _place(each: str, start: Start, names: Sequence[str], types: int) -> int | N
     hint = f"expected a species named {target!r}"
     if start.key == RUN:
         hint += f", or species = {{ {each} = NAME }} in start_from"
+    elif not names:
+        hint = "expected one [[particles]] table for each of them"
     elif not each:
         hint = "expected one of them in each line of a column name"
     which = f"particles of type {each!r}" if each else "particles without a name"

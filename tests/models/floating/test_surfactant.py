@@ -23,6 +23,7 @@ from ecume.models.floating.parameters import part_of
 from ecume.models.invariants import NumberHistory
 from ecume.run.checkpoints import Checkpoint, newest, save
 from ecume.run.directory import RunDirectory
+from ecume.show.play.bowl import Bowl
 from ecume.simulation import simulate
 from ecume.units import parse
 from tests.models.floating.bowls import scene_of
@@ -273,6 +274,20 @@ def test_a_checkpoint_keeps_the_concentration(tmp_path):
     assert found is not None
     assert all(np.array_equal(one, other) for one, other in zip(state, found.state, strict=True))
     assert FLOATING.further_state(scene_of(f"[dish]\nradius = 0.02\n[[particles]]\n{DISC}")) is None
+
+
+def test_a_bowl_that_is_played_with_keeps_its_surfactant_until_it_begins_again():
+    drop = "[[surfactant.drops]]\nposition = [0.0, 0.0]\nradius = 2e-3\nmass = 1e-9\n"
+    bowl = Bowl(boats([[0.01, 0.0]], drops=drop, around="[dish]\nradius = 0.02\ncontact_angle = '90 deg'\n"))
+    bowl.play(0.01)
+    lost = bowl.frame.numbers["surfactant_lost"]
+    there = bowl.integration.state.concentration.copy()
+    bowl.drop("cereal", 0.0, 0.01)
+    assert lost > 0.0
+    assert bowl.frame.numbers["surfactant_lost"] == lost
+    assert np.array_equal(bowl.integration.state.concentration, there)
+    bowl.begin_again()
+    assert bowl.frame.numbers["surfactant"] == pytest.approx(1e-9, rel=1e-12)
 
 
 def test_a_spot_spreads_as_diffusion_says_and_is_lost_at_its_rate():

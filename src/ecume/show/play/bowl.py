@@ -205,7 +205,7 @@ class Bowl:
     def begin_again(self) -> None:
         """Begin again."""
         self.slosh, self.tilt, self.time, self.calmed = Slosh(), (0.0, 0.0), 0.0, -math.inf
-        self._begin(self.first)
+        self._begin(self.first, anew=True)
 
     def forces(self) -> Array:
         """(N, 2) the forces on the floats in the last step (N)."""
@@ -236,9 +236,9 @@ class Bowl:
         arrays = self.frame.arrays
         return placed(self.scene, arrays["position"], arrays["velocity"], arrays["species"])
 
-    def _begin(self, scene: FloatingScene) -> None:
-        """Continue with another scene from the present positions."""
-        model = MODELS["floating"]
+    def _begin(self, scene: FloatingScene, *, anew: bool = False) -> None:
+        """Continue with another scene from the present positions and, unless `anew`, with the present surfactant."""
+        model, former = MODELS["floating"], None if anew else getattr(self, "integration", None)
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")  # warnings on errors of superposition, which `ecume check` reports
             parameters = model.parameters(_with_throws(scene))
@@ -248,6 +248,8 @@ class Bowl:
         given = [v for species in scene.particles for v in (species.velocities or [species.velocity] * species.count)]
         given += [(row.vx, row.vy) for row in scene.rows]
         state.velocity[:] = np.array(given).reshape(-1, 2)
+        if former is not None:
+            _keep_surfactant(former.state, state)
         self.scene, self.hand = placed(scene, state.position, state.velocity, parameters.floats.species), None
         self.integration, self.last = Integration(model, parameters._replace(drift=drift), state, LONGEST), self.scene
 
@@ -331,6 +333,13 @@ def _stilled(scene: FloatingScene) -> FloatingScene:
 
 def _replaced(part: Any, number: dict[str, float]) -> Any:
     return dataclasses.replace(part, **number)
+
+
+def _keep_surfactant(former: Any, state: Any) -> None:
+    """Copy the surfactant of a state into another one, if both have one on the same grid."""
+    there, here = (getattr(each, "concentration", None) for each in (former, state))
+    if there is not None and here is not None and there.shape == here.shape:
+        here[:], state.surfactant[:] = there, former.surfactant
 
 
 def _with(scene: FloatingScene, place: int, species: FloatSpec) -> FloatingScene:
