@@ -49,7 +49,7 @@ class Permeation(NamedTuple):
 
     medium: Medium
     held: NDArray[np.bool_]
-    """(N,) whether films or walls hold the sphere; others are suspended, and move with the liquid"""
+    """(N,) whether films connect the sphere to a wall; others are suspended, and stay where they are"""
     share: Array
     """(N, L) parts b of the spheres in the mean velocity of a layer"""
     fraction: Array
