@@ -55,8 +55,7 @@ def wall_pressure(frame: Frame, sensor: Array, reach: Length) -> float:
     """The reading of a pressure sensor in a wall (Pa): the mean over its face, `sensor` being points on it (n, d).
 
     Zero where the face is dry; liquid that has not arrived exerts no pressure. A frame does not contain the walls, so
-    that
-    points near few particles count as covered; gauges of a scene know which part of a point is covered.
+    that points near few particles count as covered; gauges of a scene know which part of a point is covered.
     """
     found = _near(frame, np.atleast_2d(sensor), reach)
     pressure = planes(*found, _array_of(frame, "pressure"))

@@ -1,5 +1,4 @@
-"""The verbs about scenes: new, check and cite; also the choice of the engine and of the compiler
-mode.
+"""The verbs about scenes: new, check and cite; also the choice of the engine and of the compiler mode.
 
 Scenes are checked in plain Python unless many particles have to be placed: loading compiled code takes longer than the
 few loops of a check.

@@ -118,8 +118,7 @@ class Recording:
                 f"{where} in {found} ({'; '.join(changes)}): resume it where it was begun, or without --strict"
             )
         # Recorded before the frames are removed: if the process is killed in between, the remaining frames are replaced
-        # next
-        # time.
+        # next time.
         replacement = {"frame": self.frames, "time": frame.time, "difference": str(found), "changed": changes}
         record(self._home, replaced=replacement)
         note(self._home, "frames replaced", **replacement)

@@ -307,10 +307,10 @@ def surfactant_numbers(part: Surfactant, state: State) -> dict[str, tuple[float,
         "surfactant_lost": (totals[LOST], "kg"),
         "surfactant_energy": (free_energy(part, own.concentration), "J"),
         "surfactant_energy_released": (totals[BY_RELEASE], "J"),
-        "surfactant_energy_dissipated": (-totals[BY_DIFFUSION], "J"),
+        "surfactant_energy_dissipated": (0.0 - totals[BY_DIFFUSION], "J"),
         "surfactant_energy_carried": (totals[BY_FLOW], "J"),
-        "surfactant_energy_lost": (-totals[BY_LOSS], "J"),
-    }
+        "surfactant_energy_lost": (0.0 - totals[BY_LOSS], "J"),
+    }  # zero without a sign
 
 
 def _missing_mass(seen: NumberHistory) -> float:
