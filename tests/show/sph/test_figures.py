@@ -15,7 +15,7 @@ from .conftest import frame_of, scene_of
 WITH_UNIT = re.compile(r".* \((s|[kmµ]?(m|m/s|J|Pa))\)$")
 
 
-@pytest.mark.parametrize("what", [name for name in SPH_FIGURES if name != "gauges"])
+@pytest.mark.parametrize("what", [name for name in SPH_FIGURES if name not in ("gauges", "forces")])
 def test_every_figure_can_be_drawn_with_units_and_refuses_one_frame_where_it_needs_two(what, scene, frames):
     if what in ("energies", "kinetic-energy", "front", "center"):
         with pytest.raises(BadInput, match="the run has a single frame"):
@@ -98,6 +98,24 @@ def test_single_readings_of_an_incompressible_liquid_are_called_so(frames, metho
     drawn = figures.gauges(read, scene_of(gauges=[probe], method={"pressure": method}))
     found = [sum("averages" in text.get_text() for text in axes.texts) for axes in drawn.axes]
     assert found == remarks
+
+
+def felt(frame, **forces):
+    """The frame with forces on solids (N/m)."""
+    units = dict.fromkeys(forces, "N/m")
+    return frame._replace(numbers={**frame.numbers, **forces}, units={**frame.units, **units})
+
+
+def test_forces_on_solids_are_drawn_or_else_those_on_sides(scene, frames):
+    with pytest.raises(BadInput, match="no force to draw"):
+        figures.forces(frames, scene)
+    sides = [felt(one, bottom_force_x=0.0, bottom_force_y=-9810.0 - one.time) for one in frames]
+    (axes,) = figures.forces(sides, scene).axes
+    assert axes.get_ylabel() == "force (kN/m)"
+    assert axes.lines[1].get_ydata() == pytest.approx([-9.81, -9.8101, -9.8102], rel=1e-12)
+    solids = [felt(one, obstacle0_force_x=3.0, obstacle0_force_y=4.0) for one in sides]
+    (axes,) = figures.forces(solids, scene).axes
+    assert [line.get_label() for line in axes.lines] == ["obstacle0, x", "obstacle0, y"]
 
 
 def test_a_scene_without_gauges_has_no_figure_of_them(scene, frames):
