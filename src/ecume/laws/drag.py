@@ -240,8 +240,8 @@ def settling_reynolds(stokes_reynolds: Number) -> Number:
 
 
 def inertial_speed(stokes_speed: Speed, radius: Length, inverse_viscosity: TimePerArea) -> Speed:
-    """The speed of a sphere by the force that moves it at `stokes_speed` with Stokes drag, with Schiller and Naumann's.
-    [schiller1933].
+    """The speed of a sphere with the drag of Schiller and Naumann [schiller1933], by the force that moves it at
+    `stokes_speed` with Stokes drag.
 
     `inverse_viscosity` is rho/eta; zero for Stokes drag.
 
