@@ -82,9 +82,9 @@ def sizes() -> Iterator[Row]:
     measured = next(float(row["value"]) for row in read_table("surfactant") if row["quantity"] == "exponent")
     stokes = exponent([stokes_speed(radius) for radius in RADII])
     yield within("exponent of speed over radius, Stokes drag; the published plane model has 1/2", stokes, 0.5, 0.02)
-    yield above("the same beside the measured exponent, which it exceeds", stokes, measured)
+    yield within("exponent with Stokes drag beside the measured one", stokes, measured, 0.05)
     fast = exponent([fast_speed(radius) for radius in RADII])
-    yield below("exponent with drag at finite Reynolds number, below the measured one", fast, measured)
+    yield within("exponent with drag at finite Reynolds number beside the measured one", fast, measured, 0.05)
 
 
 def exponent(speeds: list[float]) -> float:

@@ -205,7 +205,7 @@ class Bowl:
     def begin_again(self) -> None:
         """Begin again."""
         self.slosh, self.tilt, self.time, self.calmed = Slosh(), (0.0, 0.0), 0.0, -math.inf
-        self._begin(self.first, anew=True)
+        self._begin(self.first, fresh=True)
 
     def forces(self) -> Array:
         """(N, 2) the forces on the floats in the last step (N)."""
@@ -236,9 +236,9 @@ class Bowl:
         arrays = self.frame.arrays
         return placed(self.scene, arrays["position"], arrays["velocity"], arrays["species"])
 
-    def _begin(self, scene: FloatingScene, *, anew: bool = False) -> None:
-        """Continue with another scene from the present positions and, unless `anew`, with the present surfactant."""
-        model, former = MODELS["floating"], None if anew else getattr(self, "integration", None)
+    def _begin(self, scene: FloatingScene, *, fresh: bool = False) -> None:
+        """Continue with another scene from the present positions and, unless `fresh`, with the present surfactant."""
+        model, former = MODELS["floating"], None if fresh else getattr(self, "integration", None)
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")  # warnings on errors of superposition, which `ecume check` reports
             parameters = model.parameters(_with_throws(scene))

@@ -162,17 +162,24 @@ class Timing(NamedTuple):
     """set_clock(scratches, time)"""
     clock: Any = None
     """clock(scratches): s"""
+    varies: bool = False
+    """whether the flow depends on time"""
 
 
 TIMING: dict[type, Timing] = {
     Drift: Timing(current=steady_current),
-    VaryingDrift: Timing(current=varying_current),
+    VaryingDrift: Timing(current=varying_current, varies=True),
     Scratch: Timing(),
     ClockedScratch: Timing(set_clock=set_time, clock=time_now),
 }
 current_at = selected(TIMING, "current")
 set_clock = selected(TIMING, "set_clock")
 clock = selected(TIMING, "clock", 0)
+
+
+def varies(drift: Drift) -> bool:
+    """Whether the flow of the surface depends on time."""
+    return TIMING[type(drift)].varies
 
 
 @compiled

@@ -27,7 +27,7 @@ from ecume.models.floating.contacts.contact_models import (
     contacts_of,
     find_contacts,
 )
-from ecume.models.floating.forces.flow_and_noise import set_clock
+from ecume.models.floating.forces.flow_and_noise import set_clock, varies
 from ecume.models.floating.forces.interactions import (
     BY_CONSTANTS,
     RESISTANCES_BY_CONSTANTS,
@@ -44,7 +44,6 @@ from ecume.models.floating.parameters import (
     Parts,
     Scratch,
     State,
-    VaryingDrift,
     Workspace,
     compiled_state,
     copy_rows,
@@ -220,7 +219,7 @@ def make_scratch(parameters: Parameters, state: State, workspace: Workspace) -> 
     moving = INTEGRATORS_BY_CONSTANTS[type(parts.integrator)].scratch(parts.integrator, own)
     touching = contacts_of(parameters).scratch(parts.contacts, parameters, state, workspace, moving)
     slowing = tuple(RESISTANCES_BY_CONSTANTS[type(part)].scratch(moving) for part in parts.resistances)
-    if not isinstance(parameters.drift, VaryingDrift):
+    if not varies(parameters.drift):
         return Scratch(moving, own, slowing, touching)
     now = np.array([float(state.step[0]) * parameters.time_step])
     return cast(Scratch, ClockedScratch(moving, own, slowing, touching, now))
