@@ -411,3 +411,33 @@ def test_a_file_of_hoomd_with_diameters_of_1_says_what_it_omits(folder: Path) ->
         frame.particles.position, frame.particles.diameter = [[1, 2, 0], [5, 2, 0]], [1, 1]
         file.append(frame)
     assert "GSD omits diameters that are all 1" in faults(folder, FLOATS.format(file="ones.gsd", more=""))[0]
+
+
+DUMP = """\
+ITEM: TIMESTEP
+0
+ITEM: NUMBER OF ATOMS
+1
+ITEM: BOX BOUNDS ff ff ff
+0 1
+0 1
+0 1
+ITEM: ATOMS id type x y z vx vy vz radius
+1 1 0.5 0.5 0.0 3.0 4.0 0.0 0.1
+"""
+
+
+@pytest.mark.parametrize(("stated", "expected"), [("", (3.0, 4.0)), ("velocity = [0.5, 0.25]\n", (0.5, 0.25))])
+@pytest.mark.parametrize("model", ["floating", "tracers"])
+def test_a_velocity_that_a_species_states_takes_precedence_over_the_file(tmp_path, model, stated, expected):
+    (tmp_path / "a.dump").write_text(DUMP)
+    own = "contact_angle = 1.0\n[dish]\nradius = 1\n" if model == "floating" else "[tank]\nhigh = [1, 1]\n"
+    (tmp_path / "scene.toml").write_text(
+        f'model = "{model}"\nduration = 1\nframe_every = 1\n[liquid]\nviscosity = 1\n[start_from]\nfile = "a.dump"\n'
+        f'length_unit = "1 m"\ntime_unit = "1 s"\n[[particles]]\ndensity = 500\n{stated}{own}'
+    )
+    scene = ecume.load_scene(tmp_path / "scene.toml")
+    if model == "floating":
+        assert (scene.rows[0].vx, scene.rows[0].vy) == expected
+    else:
+        assert (scene.particles[0].velocities[0] if not stated else scene.particles[0].velocity) == expected

@@ -62,6 +62,12 @@ def test_tracers_have_the_places_and_velocities_of_their_table(tmp_path, high, z
     assert one.velocities == ((3e-3, 0.0, 0.0)[:places],)
 
 
+def test_the_velocity_that_a_species_states_takes_precedence_as_its_radius_does(tmp_path):
+    particles = species(f"{DENSITY}\nradius = 1e-6\nvelocity = [0.5, 0.0]")
+    (one,) = read(tmp_path, TRACERS, "x,y,vx,radius\n1e-3,2e-3,3,9\n", particles, high=FLAT).particles
+    assert (one.velocity, one.velocities, one.radius) == ((0.5, 0.0), (), 1e-6)
+
+
 NUMBER = st.floats(1e-3, 9e-3)
 
 

@@ -452,14 +452,15 @@ def filled(raw: dict[str, Any], start: Start) -> None:
     dimensions = dimensions_of(raw, start.particles)
     require_dimensions(start, dimensions)
     require_box(raw, start, dimensions)
-    species, faults = [], []
-    for one in matched(start, tables_of(raw)):
+    tables, species, faults = tables_of(raw), [], []
+    for one in matched(start, tables):
         particles = start.particles
         if raw["model"] == "tracers":
             faults += _take_density(one, _densities(one, particles))
         if "radius" not in one.keys:
             faults += _take_radius(one, start)
-        moving = raw["model"] == "tracers" and particles.velocity is not None
+        stated = one.place is not None and "velocity" in tables[one.place]
+        moving = raw["model"] == "tracers" and particles.velocity is not None and not stated
         velocities = {"velocities": particles.velocity[one.which, :dimensions].tolist()} if moving else {}  # type: ignore[index]
         species.append({**one.keys, "positions": particles.position[one.which, :dimensions].tolist(), **velocities})
     if faults:
@@ -548,8 +549,9 @@ def _row(one: Species, particles: Particles, index: int) -> dict[str, Any]:
     if "radius" not in keys and particles.diameter is not None:
         keys["radius"] = 0.5 * float(particles.diameter[index])
     x, y = particles.position[index, :2].tolist()
-    given = one.keys.get("velocity", (0.0, 0.0))
-    vx, vy = given if particles.velocity is None else particles.velocity[index, :2].tolist()
+    vx, vy = one.keys.get("velocity", (0.0, 0.0))
+    if "velocity" not in one.keys and particles.velocity is not None:
+        vx, vy = particles.velocity[index, :2].tolist()
     return {"x": x, "y": y, "vx": vx, "vy": vy, **keys, "species_name": one.keys["name"]}
 
 
