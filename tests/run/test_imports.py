@@ -12,6 +12,7 @@ from ecume.run import resume, verify
 from ecume.run.imports import Alike, import_run
 from ecume.scenes.load import load_scene
 from ecume.simulation import simulate
+from ecume.trajectories.exports import export
 from ecume.trajectories.foreign import dumps, xyz
 from ecume.trajectories.foreign.particles import Particles
 from ecume.trajectories.reader import open_trajectory
@@ -295,9 +296,80 @@ def test_a_comment_of_any_program_may_name_a_time(comment):
     assert read(0).instant == {"i = 0, time = 0.000, E = -1": 0.0, "Time=0.25": 0.25}.get(comment)
 
 
-def test_the_time_of_a_dump_goes_before_its_steps():
-    """With steps of varying length the numbers of steps are uneven where times are even."""
-    text = "ITEM: TIME\n0.5\nITEM: TIMESTEP\n17\nITEM: NUMBER OF ATOMS\n1\nITEM: BOX BOUNDS ff ff ff\n0 1\n0 1\n0 1\n"
-    text = text.replace("ITEM: TIME\n0.5\nITEM: TIMESTEP\n17\n", "ITEM: TIMESTEP\n17\nITEM: TIME\n0.5\n")
-    _, read = dumps.series(text + "ITEM: ATOMS id x y z\n1 0 0 0\n")
-    assert read(0).instant == 0.5
+@pytest.mark.parametrize("heads", [["UNITS", "TIME", "TIMESTEP"], ["TIME", "TIMESTEP"], ["TIMESTEP", "TIME"]])
+def test_the_time_of_a_dump_goes_before_its_steps(heads):
+    """LAMMPS writes units and time before the step. With steps of varying length the numbers of steps are uneven where
+    times are even.
+    """
+    text, steps = "", [0, 17, 20, 90]
+    for number, step in enumerate(steps):
+        values = {"UNITS": "si", "TIME": 0.5 * number, "TIMESTEP": step}
+        text += "".join(f"ITEM: {head}\n{values[head]}\n" for head in heads if number == 0 or head != "UNITS")
+        text += "ITEM: NUMBER OF ATOMS\n1\nITEM: BOX BOUNDS ff ff ff\n0 1\n0 1\n0 1\nITEM: ATOMS id x y z\n1 0 0 0\n"
+    frames, read = dumps.series(text)
+    assert [read(frame).instant for frame in range(frames)] == [0.0, 0.5, 1.0, 1.5]
+
+
+def timed(kind, interval):
+    """A dump or an extended XYZ file of three frames with times (s)."""
+    text = ""
+    for number in range(3):
+        if kind == "xyz":
+            text += f"2\nProperties=species:S:1:pos:R:3 Time={interval * number}\n1 5 40 0\n1 50 70 0\n"
+        else:
+            text += f"ITEM: TIME\n{interval * number}\nITEM: TIMESTEP\n{number}\nITEM: NUMBER OF ATOMS\n2\n"
+            text += "ITEM: BOX BOUNDS ff ff ff\n0 100\n0 80\n-1 1\nITEM: ATOMS id type x y\n1 1 5 40\n2 1 50 70\n"
+    return text
+
+
+@pytest.mark.parametrize("kind", ["xyz", "dump"])
+def test_times_of_a_file_that_contradict_frame_every_are_refused(kind, tmp_path):
+    (tmp_path / "cell.toml").write_text(CELL.format(file=f"times.{kind}"))
+    overrides = ["duration=0.2", "particles[0].radius='1 mm'", "start_from.time_unit='10 ms'"]
+    (tmp_path / f"times.{kind}").write_text(timed(kind, 10.0))
+    import_run(tmp_path / "cell.toml", tmp_path / "run", overrides=overrides)
+    (tmp_path / f"times.{kind}").write_text(timed(kind, 50.0))
+    with pytest.raises(BadInput, match=r'frame 1: .*frame_every is 0\.1 s; expected frame_every = "0\.5 s"'):
+        import_run(tmp_path / "cell.toml", tmp_path / "other", overrides=overrides)
+    import_run(tmp_path / "cell.toml", tmp_path / "other", overrides=overrides[:2])  # the unit of times is not known
+
+
+def test_paths_across_a_cell_survive_the_export_to_xyz_and_the_import(tmp_path):
+    expected = imported(tmp_path, "hops.dump", hopping("flags"))
+    export(tmp_path / "run", "xyz", tmp_path / "hops.xyz")
+    (tmp_path / "cell.toml").write_text(CELL.format(file="hops.xyz").replace("1 mm", "1 m"))
+    import_run(tmp_path / "cell.toml", tmp_path / "again", overrides=["duration=0.2"])
+    with open_trajectory(tmp_path / "again") as found:
+        assert 1e3 * tracks(found) == pytest.approx(expected)
+
+
+TANK = """\
+model = "tracers"
+duration = "0.2 s"
+frame_every = "0.1 s"
+[liquid]
+viscosity = "1 mPa*s"
+[tank]
+low = ["{low} mm", "0 mm"]
+high = ["{high} mm", "80 mm"]
+periodic = ["x"]
+[start_from]
+file = "hops.dump"
+length_unit = "1 mm"
+[[particles]]
+density = 1000.0
+"""
+
+
+@pytest.mark.parametrize("low", [0, -50, 30])
+@pytest.mark.parametrize("kind", ["flags", "unwrapped"])
+def test_tracers_cross_the_sides_of_a_periodic_tank_as_in_the_file(kind, low, tmp_path):
+    (tmp_path / "hops.dump").write_text(hopping(kind))
+    (tmp_path / "tank.toml").write_text(TANK.format(low=low, high=low + 100))
+    import_run(tmp_path / "tank.toml", tmp_path / "run")
+    with open_trajectory(tmp_path / "run") as found:
+        assert 1e3 * tracks(found)[:, 0] == pytest.approx(np.array([[5, 40], [-55, 40], [-115, 40]]))
+        for frame in found:
+            places = 1e3 * frame.arrays["position"][:, 0]
+            assert (places >= low).all()
+            assert (places < low + 100).all()

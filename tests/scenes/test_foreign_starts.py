@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import gzip
 from pathlib import Path
 
 import gsd.hoomd
@@ -441,3 +442,59 @@ def test_a_velocity_that_a_species_states_takes_precedence_over_the_file(tmp_pat
         assert (scene.rows[0].vx, scene.rows[0].vy) == expected
     else:
         assert (scene.particles[0].velocities[0] if not stated else scene.particles[0].velocity) == expected
+
+
+@pytest.mark.parametrize("file", ["start.data", "start.xyz"])
+def test_a_compressed_text_is_the_text(folder: Path, file: str) -> None:
+    plain = loaded(folder, TRACERS.format(file=file, height=""))
+    (folder / f"{file}.gz").write_bytes(gzip.compress((folder / file).read_bytes()))
+    (folder / file).unlink()
+    assert loaded(folder, TRACERS.format(file=f"{file}.gz", height="")) == plain
+    (folder / f"{file}.gz").write_bytes(b"no archive")
+    assert "cannot be decompressed" in faults(folder, TRACERS.format(file=f"{file}.gz", height=""))[0]
+    (folder / f"{file}.gz").write_bytes(gzip.compress(bytes(65 * 2**20)))
+    assert "holds more than 64 MiB" in faults(folder, TRACERS.format(file=f"{file}.gz", height=""))[0]
+
+
+LATTICE = """
+model = "sph"
+duration = 1
+frame_every = 1
+spacing = "1 mm"
+up = "{up}"
+{start}
+[tank]
+low = {low}
+high = {high}
+{sides}
+"""
+
+
+@pytest.mark.parametrize(("up", "depth"), [("y", 0), ("y", 6), ("z", 6)])
+@pytest.mark.parametrize("seed", range(3))
+def test_a_box_around_the_origin_fills_a_periodic_tank(tmp_path: Path, up: str, depth: int, seed: int) -> None:
+    """HOOMD and many decks of LAMMPS have boxes around the origin; tanks begin anywhere."""
+    rng = np.random.default_rng(seed)
+    counts = [10, 8, depth][: 3 if depth else 2]
+    low = rng.integers(-20, 20, len(counts))
+    home = np.stack(np.meshgrid(*(0.5 + np.arange(n) for n in counts), indexing="ij"), axis=-1).reshape(-1, len(counts))
+    places = home - 0.5 * np.array(counts)
+    bounds = "".join(f"{-0.5 * n} {0.5 * n}\n" for n in [*counts, 1][:3])
+    head = f"ITEM: TIMESTEP\n0\nITEM: NUMBER OF ATOMS\n{len(home)}\nITEM: BOX BOUNDS pp pp pp\n{bounds}"
+    columns = " ".join("xyz"[: len(counts)])
+    rows = "".join(" ".join(map(str, place)) + "\n" for place in places)
+    (tmp_path / "box.dump").write_text(f"{head}ITEM: ATOMS {columns}\n{rows}")
+    sides = ["left", "right", "bottom", "top", "front", "back"][: 2 * len(counts)]
+    text = LATTICE.format(
+        up=up,
+        start='start_from = { file = "box.dump", length_unit = "1 mm" }',
+        low=(1e-3 * low).tolist(),
+        high=(1e-3 * (low + counts)).tolist(),
+        sides="".join(f'{side} = {{ kind = "periodic" }}\n' for side in sides),
+    )
+    found = 1e3 * np.array(loaded(tmp_path, text).fluid[0].particles.positions) - low  # type: ignore[union-attr]
+    assert sorted(np.round(found, 9).tolist()) == sorted(home.tolist())
+    longer = f"{-0.5 * counts[-1]} {0.5 * counts[-1] + 1}\n"
+    wrong = bounds.replace(f"{-0.5 * counts[-1]} {0.5 * counts[-1]}\n", longer)
+    (tmp_path / "box.dump").write_text(f"{head.replace(bounds, wrong)}ITEM: ATOMS {columns}\n{rows}")
+    assert "the periodic box of box.dump is" in faults(tmp_path, text)[0]

@@ -232,3 +232,18 @@ def test_extended_xyz_is_sorted_by_its_ids():
     assert found.position.tolist() == [[3, 4, 0], [1, 2, 0]]
     assert [found.names[kind] for kind in found.kind] == ["B", "A"]
     assert found.instant == 0.5
+
+
+def test_a_box_of_edges_and_an_origin_is_that_of_its_bounds():
+    """`dump_modify triclinic/general` writes edges a, b, c with the origin behind them."""
+    rows = "ITEM: ATOMS id xs ys zs\n1 0.25 0.5 0.5\n"
+    head = "ITEM: TIMESTEP\n0\nITEM: NUMBER OF ATOMS\n1\n"
+    bounds = dumps.read(f"{head}ITEM: BOX BOUNDS pp pp pp\n0 20\n-5 5\n-0.5 0.5\n{rows}")
+    edges = dumps.read(f"{head}ITEM: BOX BOUNDS abc origin pp pp pp\n20 0 0 0\n0 10 0 -5\n0 0 1 -0.5\n{rows}")
+    assert edges.position.tolist() == bounds.position.tolist() == [[5.0, 0.0, 0.0]]
+    assert edges.sides == bounds.sides == (20.0, 10.0, 1.0)
+    tilted = dumps.read(f"{head}ITEM: BOX BOUNDS abc origin pp pp pp\n20 0 0 0\n3 10 0 -5\n0 0 1 -0.5\n{rows}")
+    assert tilted.position.tolist() == [[6.5, 0.0, 0.0]]
+    assert tilted.tilt == 3.0
+    with pytest.raises(ValueError, match="got 2 numbers; expected an edge of the box"):
+        dumps.read(f"{head}ITEM: BOX BOUNDS abc origin pp pp pp\n0 20\n-5 5\n-0.5 0.5\n{rows}")

@@ -42,7 +42,9 @@ class Access:
     work: Callable[[Any], Array] = lambda state: np.zeros(0)
     """work(state): a view of the injected work (J), (1,)"""
     sides: Callable[[Any], Array] = lambda parameters: np.zeros(3)
-    """sides(parameters): (d,) the sides of the periodic box (m), from the origin on; zero along other axes"""
+    """sides(parameters): (d,) the sides of the periodic box (m); zero along other axes"""
+    place: Callable[[Any, Any, Array], None] = lambda parameters, state, position: np.copyto(state.position, position)
+    """place(parameters, state, position): set the positions (N, d), which may be beyond a periodic box"""
     refusal: str = ""
     """why nothing can be changed"""
 

@@ -94,7 +94,7 @@ def import_run(
 def reader_of(scene: Scene, name: str, series: Series) -> Callable[[Model], Model]:
     """An engine that reads each frame, the first included, instead of integrating up to it."""
     model, paths, before = MODELS[scene.model], Paths(name), _read(name, series, 0)
-    alike = Alike(name, before)
+    alike = Alike(name, before, scene.frame_every)
     order: list[NDArray[np.int64]] = []
 
     def start(scene: Any, parameters: Any) -> Any:
@@ -120,7 +120,7 @@ def reader_of(scene: Scene, name: str, series: Series) -> Callable[[Model], Mode
         dimensions = state.position.shape[1]
         alike.require(found, model.access.sides(parameters)[:dimensions], frame)
         position = paths.continued(found, model.access.sides(parameters)[:dimensions], frame * scene.frame_every)
-        arrays["position"][...] = position[place]
+        model.access.place(parameters, state, position[place])
         arrays["velocity"][...] = 0.0 if found.velocity is None else found.velocity[place, :dimensions]
         if faults := model.access.faults(scene, parameters, state):
             raise BadInput(f"{name}: frame {frame}: {faults[0]}")
@@ -132,10 +132,12 @@ def reader_of(scene: Scene, name: str, series: Series) -> Callable[[Model], Mode
 
 
 class Alike:
-    """The properties that all frames of a file share: box, type of each particle, and interval of times."""
+    """The properties that all frames of a file share: box, type of each particle, and interval of times, which is
+    `frame_every` (s) where the unit of times is known.
+    """
 
-    def __init__(self, name: str, first: Particles) -> None:
-        self.name, self.kinds = name, np.array(first.names)[first.kind]
+    def __init__(self, name: str, first: Particles, frame_every: float = 0.0) -> None:
+        self.name, self.kinds, self.frame_every = name, np.array(first.names)[first.kind], frame_every
         self.first = self.last = first.instant
 
     def require(self, found: Particles, sides: Array, frame: int) -> None:
@@ -151,6 +153,8 @@ class Alike:
             )
         if frame:
             self._require_interval(found.instant, frame)
+            if found.timed and self.frame_every:
+                self._require_time(frame)
 
     def _require_box(self, found: Particles, sides: Array, frame: int) -> None:
         own = np.array(found.sides)[: len(sides)]
@@ -175,6 +179,17 @@ class Alike:
                 "other frames out"
             )
         self.last = now
+
+    def _require_time(self, frame: int) -> None:
+        """Raise BadInput if the times of the file (s) are not those of the run."""
+        if self.first is None or self.last is None:
+            return
+        usual = (self.last - self.first) / frame
+        if abs(usual - self.frame_every) > SAME_INTERVAL * self.frame_every:
+            raise BadInput(
+                f"{self.name}: frame {frame}: frames are {usual:.6g} s apart by the times in the file and "
+                f'{RUN}.time_unit, and frame_every is {self.frame_every:.6g} s; expected frame_every = "{usual:.6g} s"'
+            )
 
 
 class Paths:
@@ -219,7 +234,7 @@ def _matched(state: Any, position: Array, sides: Array, name: str) -> NDArray[np
 
     found = cKDTree(home, boxsize=periods[0] if periods.any() else None).query(into_box(state.position, periods))
     distance, place = np.asarray(found[0], np.float64), np.asarray(found[1], np.int64)
-    extent = float(np.ptp(position, axis=0).max())
+    extent = max(float(np.ptp(position, axis=0).max()), float(sides.max()))
     if len(np.unique(place)) != len(position) or distance.max() > SAME * extent:
         raise BadInput(
             f"{name}: the scene starts with {len(place)} particles at other positions; expected those of the file alone"

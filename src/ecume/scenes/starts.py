@@ -26,8 +26,8 @@ from pydantic import Field, TypeAdapter, ValidationError
 from ecume.errors import BadInput
 from ecume.scenes.common import dataclass
 from ecume.scenes.faults import Complaints, Inconsistent, Path, echo, faults_of, suggestion
-from ecume.scenes.quantities import STRICT, Duration, Name, Size
-from ecume.scenes.tables import MOST_BYTES, beside, lines_of, require_there, text_of
+from ecume.scenes.quantities import STRICT, Duration, Name, Size, sides_along
+from ecume.scenes.tables import COMPRESSED, MOST_BYTES, beside, lines_of, require_there, text_of
 from ecume.trajectories.foreign import series
 from ecume.trajectories.foreign.particles import FileFault, Particles
 from ecume.trajectories.foreign.series import Series
@@ -59,8 +59,8 @@ class StartSpec:
 
     file: Annotated[str, Field(min_length=1, max_length=1000)]
     """The file, beside the scene's: GSD (`.gsd`), XYZ or extended XYZ (`.xyz`, `.extxyz`), LAMMPS data (`.data`,
-    `.lmp`), LAMMPS dumps (`.dump`, `.lammpstrj`, `.yaml`), DCD (`.dcd`). `NAME@FRAME` is a frame, by default the
-    last one. Example: `"packing.gsd@-1"`. Effect: sets the start."""
+    `.lmp`), LAMMPS dumps (`.dump`, `.lammpstrj`, `.yaml`), DCD (`.dcd`); texts also compressed (`.gz`).
+    `NAME@FRAME` is a frame, by default the last one. Example: `"packing.gsd@-1"`. Effect: sets the start."""
     length_unit: Size
     """The unit of length of the file, such as 1 mm where one sigma means a millimeter (m). Effect: scales positions
     and diameters."""
@@ -149,7 +149,7 @@ def of_table(folder: Folder, name: str, model: str) -> Start:
 def refuse_a_file(name: str) -> None:
     """Raise ValueError where the text of `start_from` names a file of another program."""
     match = ANOTHER_FRAME.fullmatch(name)
-    if Folder(match[1] if match else name).suffix.lower() in FORMATS:
+    if _format_of(Folder(match[1] if match else name)):
         table = f'start_from = {{ file = "{name}", length_unit = "1 mm" }}'
         raise ValueError(f"is a file without units; expected a table such as {table}")
 
@@ -173,12 +173,18 @@ def _place_in(spec: StartSpec, folder: Folder) -> tuple[Folder, int]:
 
 
 def _frames_of(path: Folder, spec: StartSpec) -> Series:
-    kind = spec.format or FORMATS.get(path.suffix.lower(), "")
+    kind = spec.format or _format_of(path)
     if not kind:
         table = "; a table is named by particles_from" if path.suffix.lower() in (".csv", ".tsv", ".txt") else ""
         known = ", ".join(FORMATS)
         raise ValueError(f"has an unknown ending; expected one of {known}, or format in start_from{table}")
     return series.FORMATS[kind](path, lambda each: text_of(each, MOST_BYTES))
+
+
+def _format_of(path: Folder) -> str:
+    """The format that the end of a name states, without that of a compressed file; empty if unknown."""
+    name = path.with_suffix("") if path.suffix.lower() == COMPRESSED else path
+    return FORMATS.get(name.suffix.lower(), "")
 
 
 def all_frames(value: object, folder: Folder) -> tuple[str, Series]:
@@ -213,6 +219,8 @@ def _in_si(found: Particles, spec: StartSpec) -> Particles:
         density=_times(found.density, mass / length**3 if mass else None),
         sides=None if found.sides is None else (x * length, y * length, z * length),
         tilt=length * found.tilt,
+        instant=None if found.instant is None else found.instant * (spec.time_unit or 1.0),
+        timed=found.timed and spec.time_unit is not None,
     )
 
 
@@ -418,19 +426,44 @@ def require_box(raw: dict[str, Any], start: Start, dimensions: int) -> None:
         _compare(own, sides, ("cell", "size"), start)
 
 
-def require_periods(raw: Mapping[str, Any], start: Start) -> None:
-    """Raise Inconsistent where the sides of a tank are periodic and the box of the file is of another size."""
-    tank, sides = raw.get("tank"), start.particles.sides
-    if not isinstance(tank, Mapping) or sides is None or not isinstance(tank.get("high"), (list, tuple)):
-        return
+class Period(NamedTuple):
+    """A periodic axis of a tank, and its ends (m)."""
+
+    axis: int
+    low: float
+    high: float
+
+
+def periods_of(raw: Mapping[str, Any]) -> list[Period]:
+    """The periodic axes of the tank in a scene's plain data, without those that cannot be read."""
+    tank = raw.get("tank")
+    if not isinstance(tank, Mapping) or not isinstance(tank.get("high"), (list, tuple)):
+        return []
     high = [_length(each) for each in tank["high"]]
     low = [_length(each) for each in tank.get("low") or [0.0] * len(high)]
-    for axis, side in enumerate(("left", "bottom", "back" if len(high) == 3 else "")[: len(high)]):
-        wall = tank.get(side)
-        if isinstance(wall, Mapping) and wall.get("kind") == "periodic" and len(low) == len(high):
-            ends = low[axis], high[axis]
-            if ends[0] is not None and ends[1] is not None:
-                _compare([ends[1] - ends[0]], sides[axis : axis + 1], ("tank", "high"), start)
+    names = sides_along("z" if raw.get("up") == "z" else "y", len(high))[::2]
+    found = []
+    for axis, (name, a, b) in enumerate(zip(names, low, high, strict=False)):
+        side, axes = tank.get(name), tank.get("periodic")
+        periodic = isinstance(axes, (list, tuple)) and "xyz"[axis] in axes
+        periodic |= isinstance(side, Mapping) and side.get("kind") == "periodic"
+        if periodic and a is not None and b is not None and a < b:
+            found.append(Period(axis, a, b))
+    return found
+
+
+def in_tank(start: Start, periods: Sequence[Period]) -> Start:
+    """The particles at their images inside the tank: boxes of other programs begin anywhere. Raises Inconsistent where
+    the box of the file is of another size.
+    """
+    sides, position = start.particles.sides, start.particles.position.copy()
+    if sides is None:
+        return start
+    for axis, low, high in periods:
+        _compare([high - low], sides[axis : axis + 1], ("tank", "high"), start)
+        away = np.floor((position[:, axis] - low) / (high - low))
+        position[:, axis] = np.where(away != 0.0, position[:, axis] - away * (high - low), position[:, axis])
+    return start._replace(particles=start.particles._replace(position=position))
 
 
 def _compare(own: Sequence[float | None], sides: Sequence[float], path: Path, start: Start) -> None:
@@ -452,6 +485,7 @@ def filled(raw: dict[str, Any], start: Start) -> None:
     dimensions = dimensions_of(raw, start.particles)
     require_dimensions(start, dimensions)
     require_box(raw, start, dimensions)
+    start = in_tank(start, periods_of(raw))
     tables, species, faults = tables_of(raw), [], []
     for one in matched(start, tables):
         particles = start.particles
@@ -559,7 +593,7 @@ def regions(raw: dict[str, Any], start: Start) -> list[dict[str, Any]]:
     """The regions of a tank, one per type of the file. Raises Inconsistent."""
     dimensions = dimensions_of(raw, start.particles)
     require_dimensions(start, dimensions)
-    require_periods(raw, start)
+    start = in_tank(start, periods_of(raw))
     particles, found = start.particles, []
     for kind in sorted(set(particles.kind.tolist())):
         which = particles.kind == kind

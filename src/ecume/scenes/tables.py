@@ -7,11 +7,13 @@ from __future__ import annotations
 
 import codecs
 import csv
+import gzip
 import io
 import math
 import os
 import pathlib
 import re
+import zlib
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path as Folder
 from typing import Any, NamedTuple
@@ -54,9 +56,28 @@ def require_there(path: pathlib.Path, folder: pathlib.Path) -> None:
         raise ValueError(f"does not exist; paths are relative to the scene's folder, {folder.resolve()}")
 
 
+COMPRESSED = ".gz"
+"""The end of the name of a text file that is compressed."""
+
+
 def text_of(path: pathlib.Path, most_bytes: int) -> str:
-    """The text of a plain file in UTF-8, up to a largest size. Raises ValueError."""
-    return decoded(bytes_of(path, most_bytes))
+    """The text of a plain file in UTF-8, up to a largest size; compressed by gzip if its name says so. Raises
+    ValueError.
+    """
+    content = bytes_of(path, most_bytes)
+    return decoded(_unpacked(content, most_bytes) if path.suffix.lower() == COMPRESSED else content)
+
+
+def _unpacked(content: bytes, most_bytes: int) -> bytes:
+    """The content of a compressed file, up to a largest size. Raises ValueError."""
+    try:
+        with gzip.open(io.BytesIO(content)) as file:
+            found = file.read(most_bytes + 1)
+    except (OSError, EOFError, zlib.error) as error:
+        raise ValueError(f"cannot be decompressed: {error}") from None
+    if len(found) > most_bytes:
+        raise ValueError(f"holds more than {most_bytes / 2**20:g} MiB")
+    return found
 
 
 def bytes_of(path: pathlib.Path, most_bytes: int) -> bytes:

@@ -561,8 +561,20 @@ def faults(scene: TracersScene, parameters: Parameters, state: State) -> list[st
     ]
 
 
+def place(parameters: Parameters, state: State, position: Array) -> None:
+    """Set the positions: those beyond the periodic box become those of images inside, with their numbers."""
+    d, periodic = position.shape[1], parameters.periodic
+    sides = np.array(periodic.sides[:d])
+    away = np.floor(np.divide(position - periodic.low[:d], sides, out=np.zeros_like(position), where=sides > 0.0))
+    state.position[...] = position - away * sides
+    if len(state.image):
+        state.image[...] = away
+
+
 TRACERS = Access(
     arrays=lambda state: {"position": state.position, "velocity": state.velocity},
     faults=faults,
     work=lambda state: state.work,
+    sides=lambda parameters: np.array(parameters.periodic.sides),
+    place=place,
 )

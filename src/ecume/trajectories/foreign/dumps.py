@@ -20,6 +20,10 @@ from ecume.trajectories.foreign.particles import (
 )
 
 START, YAML = "ITEM: TIMESTEP", "---"
+BEFORE_START = ("ITEM: UNITS", "ITEM: TIME")
+"""Items that LAMMPS writes before that of the time step, with `dump_modify units` and `time`."""
+GENERAL = "abc"
+"""The mark of a box that is given by its edges and its origin, with `dump_modify triclinic/general`."""
 POSITIONS = (("x", "y", "z"), ("xu", "yu", "zu"), ("xs", "ys", "zs"), ("xsu", "ysu", "zsu"))
 """The names of the columns of positions: wrapped, unwrapped, and both of them in units of the box."""
 IMAGES = ("ix", "iy", "iz")
@@ -32,12 +36,13 @@ class Table(NamedTuple):
     """A frame: its box, and the words of each particle."""
 
     box: list[list[float]]
-    """low and high along each axis, and the tilts behind them"""
+    """low and high along each axis, and the tilts behind them; or each edge, with the origin's coordinate behind it"""
     columns: list[str]
     rows: list[list[str]]
     line: int
     """of the first row"""
-    step: float | None = None
+    instant: float | None = None
+    timed: bool = False
 
 
 def read(text: str, index: int = -1) -> Particles:
@@ -66,7 +71,14 @@ def _starts(lines: Sequence[str]) -> list[int]:
     found = [place for place, line in enumerate(lines) if line.strip() == start]
     if not found:
         raise ValueError("has no frame; expected a LAMMPS dump of the style atom, custom or yaml")
-    return found
+    return [_first_line(lines, place) for place in found]
+
+
+def _first_line(lines: Sequence[str], place: int) -> int:
+    """The first line of the frame whose time step is at a line."""
+    while place >= 2 and lines[place - 2].strip() in BEFORE_START:
+        place -= 2
+    return place
 
 
 def _table(lines: Sequence[str], place: int, end: int) -> Table:
@@ -86,12 +98,14 @@ def _table(lines: Sequence[str], place: int, end: int) -> Table:
     count = whole(lines[at].strip(), at + 1, least=1)
     bounds, (head, first) = items["BOX BOUNDS"][1], items["ATOMS"]
     require_count(count, end - first, at + 1)
+    counts = (4,) if GENERAL in items["BOX BOUNDS"][0] else (2, 3)
     box = [
-        _numbers(line.split(), bounds + axis + 1) for axis, line in enumerate(lines[bounds : min(bounds + AXES, end)])
+        _numbers(line.split(), bounds + axis + 1, counts)
+        for axis, line in enumerate(lines[bounds : min(bounds + AXES, end)])
     ]
     rows = [line.split() for line in lines[first : first + count]]
     clock = items.get("TIME", items["TIMESTEP"])[1]
-    return Table(box, head[2:], rows, first + 1, instant_of(lines[clock]) if clock < end else None)
+    return Table(box, head[2:], rows, first + 1, instant_of(lines[clock]) if clock < end else None, "TIME" in items)
 
 
 def _yaml_table(lines: Sequence[str], place: int, end: int) -> Table:
@@ -106,11 +120,11 @@ def _yaml_table(lines: Sequence[str], place: int, end: int) -> Table:
     first = keys["data"] + 1
     require_count(count, end - first, keys["natoms"] + 1)
     at = keys["box"] + 1
-    box = [_numbers(_items(line), at + axis + 1) for axis, line in enumerate(lines[at : min(at + AXES, end)])]
+    box = [_numbers(_items(line), at + axis + 1, (2, 3)) for axis, line in enumerate(lines[at : min(at + AXES, end)])]
     rows = [_items(line) for line in lines[first : first + count]]
     clock = keys.get("time", keys.get("timestep"))
-    step = None if clock is None else instant_of(lines[clock].partition(":")[2])
-    return Table(box, _items(lines[keys["keywords"]].partition(":")[2]), rows, first + 1, step)
+    instant = None if clock is None else instant_of(lines[clock].partition(":")[2])
+    return Table(box, _items(lines[keys["keywords"]].partition(":")[2]), rows, first + 1, instant, "time" in keys)
 
 
 def _items(line: str) -> list[str]:
@@ -119,9 +133,14 @@ def _items(line: str) -> list[str]:
     return [word for part in inside.split(",") if (word := part.strip())]
 
 
-def _numbers(words: Sequence[str], line: int) -> list[float]:
-    if len(words) not in (2, 3):
-        raise FileFault(f"got {len(words)} numbers; expected the low and the high end of the box", line)
+def _numbers(words: Sequence[str], line: int, counts: Sequence[int]) -> list[float]:
+    if len(words) not in counts:
+        expected = (
+            "an edge of the box and a coordinate of its origin"
+            if 4 in counts
+            else "the low and the high end of the box"
+        )
+        raise FileFault(f"got {len(words)} numbers; expected {expected}", line)
     return [number(word, line) for word in words]
 
 
@@ -149,7 +168,7 @@ def _particles(table: Table) -> Particles:
     tilt = float(np.abs(lattice - np.diag(lattice.diagonal())).max())
     return Particles(
         names, kind[len(names) :], position, velocity, diameter, given["mass"], density, (x, y, z), tilt,
-        _images(table, place_of, order, columns), table.step,
+        _images(table, place_of, order, columns), table.instant, table.timed,
     )  # fmt: skip
 
 
@@ -165,6 +184,8 @@ def _lattice(box: Sequence[Sequence[float]]) -> tuple[NDArray[np.float64], NDArr
     """
     if len(box) < AXES:
         raise ValueError("ends in the bounds of a box")
+    if len(box[0]) > AXES:
+        return np.array([edge[AXES] for edge in box]), np.array([edge[:AXES] for edge in box]).T
     xy, xz, yz = (ends[2] if len(ends) > 2 else 0.0 for ends in box)
     shifts = [(0.0, xy, xz, xy + xz), (0.0, yz), (0.0,)]
     low = np.array([ends[0] - min(own) for ends, own in zip(box, shifts, strict=True)])

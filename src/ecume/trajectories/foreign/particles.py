@@ -37,6 +37,8 @@ class Particles(NamedTuple):
     """
     instant: float | None = None
     """The time or the number of steps, in the unit of the file; only differences are used."""
+    timed: bool = False
+    """whether `instant` is a time"""
 
 
 class FileFault(ValueError):

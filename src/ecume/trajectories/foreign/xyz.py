@@ -38,9 +38,13 @@ MEANINGS = {
     "density": ("density", "densities"),
     "species": ("species", "type", "element"),
     "id": ("id",),
+    "image": ("image",),
 }
 """The names of columns that are read, in lower case."""
 VECTORS = {"position", "velocity", "momentum"}
+PLANAR = {"image"}
+"""Vectors that may have two components."""
+AXES = 3
 
 
 class Column(NamedTuple):
@@ -78,14 +82,26 @@ def _frame(lines: Sequence[str], starts: Sequence[int], index: int) -> Particles
     species = columns.get("species")
     words = [row[species.first] for row in rows] if species else ["1"] * len(rows)
     values = {name: _values(rows, one, start + 3) for name, one in columns.items() if name != "species"}
-    single = {name: array[:, 0] for name, array in values.items() if name not in VECTORS}
+    single = {name: array[:, 0] for name, array in values.items() if name not in VECTORS | PLANAR}
     diameter = single.get("diameter", 2.0 * single["radius"] if "radius" in single else None)
     names, kind = numbered(words)
     sides, tilt = _box(comment, start + 2)
     mass, density = single.get("mass"), single.get("density")
     velocity = _velocities(values, start + 2)
     instant = instant_of(comment.get("time", ""))
-    return Particles(names, kind, values["position"], velocity, diameter, mass, density, sides, tilt, instant=instant)
+    return Particles(
+        names, kind, values["position"], velocity, diameter, mass, density, sides, tilt, _images(values.get("image")),
+        instant, instant is not None,
+    )  # fmt: skip
+
+
+def _images(found: NDArray[np.float64] | None) -> NDArray[np.int64] | None:
+    """The image numbers (N, 3), zero along axes without; None where the file has none."""
+    if found is None or found.shape[1] > AXES:
+        return None
+    images = np.zeros((len(found), AXES), np.int64)
+    images[:, : found.shape[1]] = np.rint(found)
+    return images
 
 
 def _velocities(values: Mapping[str, NDArray[np.float64]], line: int) -> NDArray[np.float64] | None:
@@ -128,8 +144,9 @@ def _columns(properties: str, line: int) -> tuple[dict[str, Column], int]:
             raise FileFault(f"got {columns} columns of {name[:40]}; expected at most {MOST_COLUMNS}", line)
         meaning = next((key for key, names in MEANINGS.items() if name.lower() in names), None)
         if meaning is not None:
-            if columns != (3 if meaning in VECTORS else 1):
-                raise FileFault(f"got {columns} columns of {name}; expected {3 if meaning in VECTORS else 1}", line)
+            expected = AXES if meaning in VECTORS else 1
+            if meaning not in PLANAR and columns != expected:
+                raise FileFault(f"got {columns} columns of {name}; expected {expected}", line)
             found.setdefault(meaning, Column(width, columns))
         width += columns
     if "position" not in found:
