@@ -152,6 +152,7 @@ CASES: dict[str, Case] = {
             "Liquids without sound waves: rest, vortices, a dam break, beside tait",
             long=True,
         ),
+        _case("two-liquids", "Two liquids: rest, waves, Rayleigh-Taylor, a rising bubble beside a grid", long=True),
         _case("standing-wave", "How fast a wave in a viscous liquid swings and dies, against exact roots", long=True),
         _case("sloshing", "How a tank that is shaken a little rises at its walls, against potential flow", long=True),
         _case(

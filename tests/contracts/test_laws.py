@@ -113,6 +113,7 @@ SAMPLES = {
     "dimensions": 3.0, "viscosity_i": 0.3, "viscosity_j": 0.7, "volume_i": 0.02, "volume_j": 0.03, "strain_rate": 5.0,
     "spacing": 0.4, "strain_component": 1.3, "divergence": 0.2, "diagonal": 1.0, "excess": 0.3, "delta": 0.1,
     "tank": water_waves.Tank(1.7, 0.9, 1.9, 0.01), "excitation": water_waves.BaseExcitation(0.2, 1.1, 0.3),
+    "lower": water_waves.Layer(3.1, 0.9), "upper": water_waves.Layer(1.2, 0.6),
     "slope": -2.5, "reach": 0.05, "density_i": 3.0, "density_j": 3.2, "rise_i": 0.05, "rise_j": 0.11, "potential": 0.7,
     "sound_speed_i": 11.5, "exponent": 7.0, "head": 0.01, "support": 1.1, "color_gradient": 3.0, "curvature": 0.9,
     "turning": -0.4, "spread": 0.6,

@@ -120,3 +120,15 @@ def test_stokers_water_is_neither_made_nor_lost():
 def test_a_bore_needs_water_below_the_dams(wet):
     with pytest.raises(BadInput, match="downstream"):
         dam_breaks.stoker_bore(1.0, wet, 9.81)
+
+
+def test_waves_between_two_liquids_have_the_limits_of_one():
+    lower = water_waves.Layer(1000.0, 0.3)
+    light = water_waves.interface_frequency_squared(7.0, lower, water_waves.Layer(1e-9, 0.2), 9.81, 0.07)
+    assert math.sqrt(light) == pytest.approx(water_waves.wave_frequency(7.0, 0.3, 9.81, 0.07 / 1000.0), rel=1e-9)
+    upper = water_waves.Layer(800.0, 0.2)
+    assert water_waves.interface_frequency_squared(7.0, lower, water_waves.Layer(1000.0, 0.2), 9.81) == 0.0
+    stable = water_waves.interface_frequency_squared(7.0, lower, upper, 9.81)
+    assert stable == pytest.approx(-water_waves.interface_frequency_squared(7.0, lower, upper, -9.81))
+    shallow = water_waves.interface_frequency_squared(1e-4, lower, upper, 9.81)
+    assert shallow == pytest.approx(1e-8 * 9.81 * 200.0 / (1000.0 / 0.3 + 800.0 / 0.2), rel=1e-6)

@@ -12,11 +12,13 @@ from ecume.laws.arguments import require_not_negative, require_positive
 from ecume.units import (
     Acceleration,
     Angle,
+    Density,
     KinematicViscosity,
     Length,
     Number,
     Rate,
     Speed,
+    SurfaceTension,
     Time,
     Unit,
 )
@@ -25,6 +27,15 @@ SpecificTension = Annotated[float, Unit("m^3/s^2")]
 """Surface tension over density."""
 
 Wavenumber = Annotated[float, Unit("1/m")]
+
+SquaredFrequency = Annotated[float, Unit("1/s^2")]
+
+
+class Layer(NamedTuple):
+    """One of two liquids between a floor and a lid."""
+
+    density: Density
+    depth: Length
 
 
 class Decay(NamedTuple):
@@ -48,6 +59,25 @@ def wave_frequency(
     """
     restoring = gravity * wavenumber + tension * wavenumber**3
     return math.sqrt(restoring * math.tanh(wavenumber * depth))
+
+
+def interface_frequency_squared(
+    wavenumber: Wavenumber, lower: Layer, upper: Layer, gravity: Acceleration, tension: SurfaceTension = 0.0
+) -> SquaredFrequency:
+    """Square of the angular frequency of small waves in the interface of two liquids without viscosity,
+    omega^2 = (g k (rho_1 - rho_2) + sigma k^3)/(rho_1 coth k h_1 + rho_2 coth k h_2).
+
+    k: wavenumber; rho_1, h_1: density and depth of the lower liquid, above a floor; rho_2, h_2: of the upper one, below
+    a lid; sigma: tension. Below zero it is minus the square of the growth rate (Rayleigh-Taylor). [lamb1932, art. 231,
+    268].
+
+    >>> deep = interface_frequency_squared(1.0, Layer(3.0, 100.0), Layer(1.0, 100.0), 9.81)
+    >>> round(deep, 9)
+    4.905
+    """
+    restoring = gravity * wavenumber * (lower.density - upper.density) + tension * wavenumber**3
+    inertia = sum(layer.density / math.tanh(wavenumber * layer.depth) for layer in (lower, upper))
+    return restoring / inertia
 
 
 def group_velocity(wavenumber: Wavenumber, depth: Length, gravity: Acceleration) -> Speed:

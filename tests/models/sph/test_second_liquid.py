@@ -9,6 +9,7 @@ import pytest
 
 import ecume
 from ecume.errors import SceneError
+from ecume.models.sph.boundaries.walls import FASTEST, speed_of
 from ecume.models.sph.rates.right_hand_side import evaluate_accelerations, evaluate_density_rate, evaluate_rates
 from ecume.models.sph.rates.surface_tension import contour_energy, contour_forces
 from ecume.models.sph.record import SPH
@@ -16,7 +17,7 @@ from ecume.models.sph.report import observation
 from ecume.models.sph.setup.initial_particles import column_head
 from ecume.models.sph.state import particle_arrays
 from ecume.run import run
-from ecume.scenes.schema import from_plain
+from ecume.scenes.schema import from_plain, to_plain
 from ecume.simulation import Integration
 from tests.models.sph.scenes import OPEN, PERIODIC
 
@@ -321,3 +322,34 @@ def test_random_stacked_liquids_stay_at_rest(seed):
     height_of, liquid = last.arrays["position"][:, 1], last.arrays["liquid"]
     assert height_of[liquid == 1].max() < height_of[liquid == 2].min()
     assert last.numbers["largest_speed"] < 0.03
+
+
+@pytest.mark.parametrize("height", [1.0, 1.4])
+def test_rotation_as_a_whole_is_free_of_friction_where_two_viscosities_meet(height):
+    """The stress is eta (grad v + its transpose): div(eta grad v) turns the interface."""
+    wide = {"liquid": {"viscosity": 0.5, "maximum_speed": 1.0}, "second": {"viscosity": 0.01}, "height": height}
+    scene = stacked(2.0, deep=10, wide=12, gravity=[0.0, 0.0], method=CALM, **wide)
+    parameters, state, workspace = disturbed(scene, 4)
+    evaluate_accelerations(parameters, state, workspace, parameters.time_step)
+    still = state.acceleration.copy()
+    x, y = state.position - np.array([[0.6], [0.5]])
+    state.velocity[...] += 5.0 * np.stack([-y, x])
+    found = {}
+    for name in ("automatic", "morris"):
+        chosen = SPH.parameters(from_plain({**to_plain(scene), "method": {**CALM, "viscosity_model": name}}))
+        evaluate_accelerations(chosen, state, workspace, parameters.time_step)
+        found[name] = state.acceleration - still
+    inner = (np.abs(x) < 0.18) & (np.abs(y) < 0.08)  # all their neighbors rotate
+    assert inner.sum() > 4
+    assert np.abs(found["automatic"][:, inner]).max() < 1e-9 * np.abs(found["morris"][:, inner]).max()
+
+
+@pytest.mark.parametrize("dense_first", [True, False])
+def test_walls_repel_what_the_faster_sound_allows(dense_first):
+    """Whichever liquid is the first one."""
+    dense, light = {"density": 1.0}, {"density": 0.01}
+    liquid, second = (dense, light) if dense_first else (light, dense)
+    scene = stacked(2.0, liquid=liquid, second=second, dense_below=dense_first, gravity=[0.0, -1.0])
+    parameters = SPH.parameters(scene)
+    fastest = max(each.sound_speed for each in parameters.materials)
+    assert speed_of(parameters) == FASTEST * fastest == pytest.approx(FASTEST * 10.0 * np.sqrt(2.0 * 100.0))

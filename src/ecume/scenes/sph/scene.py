@@ -239,9 +239,9 @@ class MethodSpec:
     and artificial viscosity is not set to 0, less with very light bodies, 0.5 where gradients of the pressure are
     completed, otherwise 0. Effect: damps sound waves, such as those of impacts."""
     viscosity_model: LawName = "automatic"
-    """The viscous force: `monaghan` along the lines of centers, right at a free surface; `corrected`, the same with
-    the part completed that has no neighbors there; `morris` along velocities, right in full tanks; by default the one
-    that fits. Effect: affects the damping near surfaces and walls."""
+    """The viscous force: `monaghan` along the lines of centers, right at a free surface and between two liquids;
+    `corrected`, the same with the part completed that has no neighbors there; `morris` along velocities, right in full
+    tanks of one liquid; by default the one that fits. Effect: affects the damping near surfaces and walls."""
     pressure_force: LawName = "sum"
     """The pressure force: `sum` (p_i + p_j), `monaghan` (p/rho^2), `transport` (with the transport velocity) or
     `corrected` (with gradients completed at the free surface). Effect: `transport` keeps particles evenly spaced in

@@ -188,10 +188,12 @@ RESOLVED = 0.5
 
 
 def speed_of(parameters: Parameters) -> float:
-    """The approach velocity (m/s) that the repulsion just stops. Incompressible liquids take long steps, which resolve
-    a weaker repulsion than the flow's speed requires; the guard stops faster particles.
+    """The approach velocity (m/s) that the repulsion just stops; of two liquids, it suffices for the one with faster
+    sound. Incompressible liquids take long steps, which resolve a weaker repulsion than the flow's speed requires; the
+    guard stops faster particles.
     """
-    sound, reach = parameters.material.sound_speed, parameters.boundary.guard.reach
+    reach = parameters.boundary.guard.reach
+    sound = max(liquid.sound_speed for liquid in parameters.materials)
     if math.isfinite(sound):
         return FASTEST * sound
     return min(parameters.material.fastest, RESOLVED * reach / parameters.time_step)

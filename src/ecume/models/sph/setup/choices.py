@@ -214,10 +214,12 @@ def pressure_force_of(scene: SphScene) -> PressureForce:
 
 
 def friction_of(scene: SphScene) -> Friction:
-    """The form of the viscous force: by default the one that is correct at a free surface, if there may be one."""
+    """The form of the viscous force: by default the one that is correct at a free surface, if there may be one, and
+    where two viscosities meet: there div(eta grad v) is not the divergence of the viscous stress.
+    """
     if scene.method.viscosity_model == "automatic":
         at_surface = "corrected" if scene.method.pressure_force == "corrected" else "monaghan"
-        return FRICTIONS[at_surface if free_surface(scene) else "morris"]
+        return FRICTIONS[at_surface if free_surface(scene) or scene.second_liquid is not None else "morris"]
     return FRICTIONS[chosen(scene.method.viscosity_model, FRICTIONS, "method.viscosity_model")]
 
 
