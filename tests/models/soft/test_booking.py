@@ -9,7 +9,7 @@ import pytest
 from ecume.laws.soft_pair import PREFACTORS, SoftPair, surface_energy
 from ecume.models.invariants import ENERGY, NumberHistory
 from ecume.models.soft import SOFT
-from ecume.models.soft.integration.dirk_schemes import ROUNDED, error_of_run
+from ecume.models.soft.integration.dirk_schemes import LOOSE, ROUNDED, error_of_run
 from ecume.models.soft.integration.linear_solvers import begin_step
 from ecume.models.soft.protocol import drive_at
 from ecume.models.soft.report.energy_budget import DRAG, FILMS, INJECTED, SIZE, elastic_energy, energy_of_faded
@@ -137,6 +137,31 @@ def test_a_jump_does_the_work_that_deflections_take_up():
     taken_up = last["total_energy"] - calm["total_energy"]
     assert taken_up > 2.0 * calm["total_energy"]
     assert last["injected_work"] - calm["injected_work"] == pytest.approx(taken_up, rel=1e-6, abs=0.0)
+
+
+@pytest.mark.parametrize("every", [0.1, 0.3, 0.7])
+def test_a_jump_at_any_frame_is_made_however_the_time_of_the_frame_is_rounded(every):
+    """Three times 0.1 is no 0.3 in binary."""
+    for frame in (1, 2, 3, 6, 7):
+        time = float(f"{frame * every:.1f}")
+        pulled = pull_apart(0.01, FORCE, tolerance=1e-3, duration=8 * every, frames=8)
+        loads = ((0.0, 1.0), (time, 1.0), (time, 2.0))
+        stages = tuple(StageSpec(time=at, load=load) for at, load in loads)
+        frames = list(simulate(dataclasses.replace(pulled, frame_every=every, protocol=stages)))
+        assert len(frames) == 9
+        energies = [one.numbers["total_energy"] for one in frames]
+        assert energies[frame] > 2.0 * energies[frame - 1]
+
+
+@pytest.mark.parametrize("span", [0.05, 5.0, 50.0])
+@pytest.mark.parametrize("scheme", ["esdirk4", "tr-bdf2"])
+def test_the_work_of_a_fast_ramp_is_as_accurate_as_the_tolerance(scheme, span):
+    """A ramp that one step takes is held to the budget as a jump is."""
+    pressed = pull_apart(0.01, -20.0 * FORCE, tolerance=1e-3, duration=5e4, frames=10)
+    loads = ((0.0, 0.0), (1.5e4, 0.0), (1.5e4 + span, 1.0))
+    ramp = dataclasses.replace(pressed, protocol=tuple(StageSpec(time=time, load=load) for time, load in loads))
+    _, _, change = ends(stepped(ramp, 1e-3, scheme))
+    assert abs(missing(change)) < error_of_run(scheme, 1e-3) / LOOSE * change["injected_work"]
 
 
 @pytest.mark.long

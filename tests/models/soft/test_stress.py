@@ -16,7 +16,7 @@ from ecume.models.soft.integration import dirk, newton
 from ecume.models.soft.integration.dirk_schemes import SCHEMES
 from ecume.models.soft.integration.linear_solvers import balance
 from ecume.models.soft.integration.time_stepping import one_step
-from ecume.models.soft.protocol import Drive, drive_at, next_stop, protocol_of
+from ecume.models.soft.protocol import Drive, at_frames, drive_at, next_turn, protocol_of
 from ecume.models.soft.state import ACCEPTED, CLOCK
 from ecume.scenes.schema import from_plain, to_plain
 from ecume.scenes.soft import RateStepsSpec, StageSpec
@@ -319,13 +319,16 @@ def test_rate_steps_hold_each_rate_for_one_strain_and_then_the_last():
 
 
 @pytest.mark.parametrize("turn", [0.3, 0.1 + 0.2, np.nextafter(0.3, 0.0)])
-def test_a_corner_at_the_time_of_a_frame_is_no_step_by_itself(turn):
-    protocol = protocol_of([StageSpec(time=0.0, shear_rate=1.0), StageSpec(time=turn, shear_rate=2.0)])
-    assert next_stop(protocol, 0.2, 0.3) == 0.3
-    assert next_stop(protocol, 0.2, 0.25) == 0.25
-    assert next_stop(protocol, 0.2, 0.4) == turn
-    assert drive_at(protocol, 0.3).rate == 2.0
-    assert next_stop(protocol, 0.3, 0.4) == 0.4
+def test_a_corner_at_the_time_of_a_frame_is_at_the_frame(turn):
+    stages = [StageSpec(time=0.0, shear_rate=1.0), StageSpec(time=turn, shear_rate=2.0)]
+    tick = 0.1 / 1024
+    for end in (math.inf, 1.0):
+        protocol = at_frames(protocol_of(stages), 1024, tick, end)
+        assert next_turn(protocol, 0.2) == 3 * 1024 * tick
+        assert drive_at(protocol, 0.3).rate == 2.0
+        assert next_turn(protocol, 3 * 1024 * tick) == math.inf
+    assert next_turn(at_frames(protocol_of(stages), 1024, tick, 0.3), 0.2) == 0.3
+    assert next_turn(at_frames(protocol_of(stages), 1000, tick, math.inf), 0.2) == turn
 
 
 def test_a_box_that_a_stress_tears_apart_ends_with_a_word():

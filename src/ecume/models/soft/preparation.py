@@ -13,7 +13,7 @@ from ecume.models.soft import setup
 from ecume.models.soft.integration.linear_solvers import begin_step
 from ecume.models.soft.integration.time_stepping import advance
 from ecume.models.soft.parameters import Parameters
-from ecume.models.soft.protocol import drive_at, protocol_of, rules_at
+from ecume.models.soft.protocol import at_frames, drive_at, protocol_of, rules_at
 from ecume.models.soft.report.diagnosis import diagnosis
 from ecume.models.soft.report.observation import observe
 from ecume.models.soft.state import CLOCK, LENGTH, PAST_ERROR, UPRIGHT, State, workspace
@@ -52,7 +52,9 @@ def unprepared(scene: SoftScene, parameters: Parameters) -> State:
 
 def _pressing(scene: SoftScene, spec: PreparationSpec, parameters: Parameters) -> Parameters:
     """The parameters of the compression."""
-    return _unloaded(spec, parameters)._replace(protocol=protocol_of(compression(scene, spec)))
+    unloaded = _unloaded(spec, parameters)
+    protocol = protocol_of(compression(scene, spec))
+    return unloaded._replace(protocol=at_frames(protocol, unloaded.steps_per_frame, unloaded.time_step, unloaded.end))
 
 
 def _unloaded(spec: PreparationSpec, parameters: Parameters) -> Parameters:

@@ -118,12 +118,15 @@ def next_turn(protocol: Protocol, time: float) -> float:
     return float(later[0]) if len(later) else math.inf
 
 
-def next_stop(protocol: Protocol, time: float, due: float) -> float:
-    """The latest end of the next step: a frame, or a corner before it. A corner within rounding of a frame is at the
-    frame, since a step from one to the other would be too short for its equations.
+def at_frames(protocol: Protocol, ticks: int, tick: float, end: float) -> Protocol:
+    """A protocol whose corners within rounding of a frame, or of the end, are at the frame: a step from one to the
+    other would be too short for its equations, and a jump in between would be missed.
+
+    Frames are `ticks` ticks apart; `tick` and `end` are times (s).
     """
-    turn = next_turn(protocol, time)
-    return due if abs(turn - due) <= SAME * due else min(due, turn)
+    times = protocol.times
+    frames = np.minimum(np.rint(times / (ticks * tick)) * ticks * tick, end)
+    return protocol._replace(times=np.where(np.abs(frames - times) <= SAME * times, frames, times))
 
 
 class ProtocolState(NamedTuple):

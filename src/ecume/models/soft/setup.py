@@ -31,7 +31,7 @@ from ecume.models.soft.integration.dirk_schemes import SCHEMES
 from ecume.models.soft.integration.linear_solvers import balance
 from ecume.models.soft.medium import medium_of
 from ecume.models.soft.parameters import CONTACT_LISTS, Contacts, Laws, Parameters, Planes
-from ecume.models.soft.protocol import LOAD, SCALE, Drive, Protocol, Rules, drive_at, protocol_of, rules_at
+from ecume.models.soft.protocol import LOAD, SCALE, Drive, Protocol, Rules, at_frames, drive_at, protocol_of, rules_at
 from ecume.models.soft.report.balance_report import floppy, remedies, unbalanced, unborne, unmet_wall, unresisted
 from ecume.models.soft.state import LENGTH, State, drained, make_state, store, workspace
 from ecume.models.step_counts import last_step
@@ -258,10 +258,11 @@ def parameters_of(scene: SoftScene) -> Parameters:
         box[:dimensions] = sides_of(scene)
     walls = _planes(scene)
     box[walls.surfaces.place.any(axis=0)] = 0.0
+    tick, end = scene.frame_every / TICKS, scene.duration if scene.rest else math.inf
     parameters = Parameters(
-        time_step=scene.frame_every / TICKS,
+        time_step=tick,
         steps_per_frame=TICKS,
-        end=scene.duration if scene.rest else math.inf,
+        end=end,
         last_tick=last_step(scene, TICKS, least=2),
         dimensions=dimensions,
         radius=radius,
@@ -276,7 +277,7 @@ def parameters_of(scene: SoftScene) -> Parameters:
         walls=walls,
         contacts=_contacts(scene, float(radius.min())),
         laws=laws_chosen(scene),
-        protocol=protocol_of(scene.protocol),
+        protocol=at_frames(protocol_of(scene.protocol), TICKS, tick, end),
         listed=scene.films.output,
         scheme=scene.integration.integrator,
         tolerance=scene.integration.tolerance,

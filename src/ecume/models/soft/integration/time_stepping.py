@@ -14,10 +14,10 @@ from ecume.models.soft.contacts.tree_search import PairList
 from ecume.models.soft.contacts.walls import Walls
 from ecume.models.soft.integration.dirk import FAILED as NOT_SOLVED
 from ecume.models.soft.integration.dirk import accept, reset_to_start
-from ecume.models.soft.integration.dirk_schemes import SCHEMES, Scheme, error_of_run
+from ecume.models.soft.integration.dirk_schemes import LOOSE, SCHEMES, Scheme, error_of_run
 from ecume.models.soft.integration.linear_solvers import attempt, balance, begin_step
 from ecume.models.soft.parameters import Parameters
-from ecume.models.soft.protocol import drive_at, interval_at, next_stop, rules_at
+from ecume.models.soft.protocol import drive_at, interval_at, next_turn, rules_at
 from ecume.models.soft.report.energy_budget import (
     DRAG,
     FILMS,
@@ -186,7 +186,8 @@ def missed_work(parameters: Parameters, state: State, step: Step, before: float)
     spent = float(state.budget[FILMS] + state.budget[DRAG])
     moved = abs(dissipated) + abs(grown) + PART_OF_RUN * (spent + stake(step))
     rounding = LEAST_WORK * float((parameters.modulus * parameters.radius**3).sum())
-    return float(missing / (error_of_run(parameters.scheme, parameters.tolerance) * moved + rounding))
+    allowed = error_of_run(parameters.scheme, parameters.tolerance) / LOOSE
+    return float(missing / (allowed * moved + rounding))
 
 
 def new_contacts(parameters: Parameters, step: Step) -> PairList:
@@ -321,7 +322,7 @@ def _next(parameters: Parameters, state: State) -> tuple[float, float]:
     """The length of the next step and the time of its end, at most that of the next frame or corner of the protocol."""
     now = float(state.pace[CLOCK])
     due = _due(parameters, int(state.step[0]) // parameters.steps_per_frame + 1)
-    stop = next_stop(parameters.protocol, now, due)
+    stop = min(due, next_turn(parameters.protocol, now))
     length = min(float(state.pace[LENGTH]), _longest(parameters, now))
     if now + length * (1.0 + NEARLY) >= stop:
         return stop - now, stop
