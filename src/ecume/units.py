@@ -39,7 +39,9 @@ FACTOR = r"[A-Za-zµμ°%Ω_]+(?:(?:\^|\*\*)?-?[0-9])?"
 PRODUCT = rf"{FACTOR}(?:\s*[* ]\s*{FACTOR})*"
 UNIT = re.compile(rf"(?:{PRODUCT}|1(?=\s*/))(?:\s*/\s*(?:{FACTOR}|\({PRODUCT}\)))*")
 POWER = re.compile(r"(?<=[A-Za-zµμ°%Ω_])(?:\^|\*\*)?(-?[0-9])")
-TYPOGRAPHY = str.maketrans({"·": "*", "⋅": "*", "²": "^2", "³": "^3"})
+TYPOGRAPHY = str.maketrans({"·": "*", "⋅": "*"})
+RAISED = re.compile("⁻?[¹²³⁴-⁹]")
+LOWERED = str.maketrans("⁻¹²³⁴⁵⁶⁷⁸⁹", "-123456789")
 
 
 ROOM = 293.15
@@ -194,6 +196,12 @@ def _product(one: str, other: str, sign: int) -> str:
     return "/".join(["*".join(above), *below])
 
 
+def _typed(unit: str) -> str:
+    """A unit in the characters of a keyboard: `m^-3` of `m⁻³`, `1/mL` of `/mL`."""
+    plain = RAISED.sub(lambda found: "^" + found[0].translate(LOWERED), unit.strip().translate(TYPOGRAPHY))
+    return f"1{plain}" if plain.startswith("/") else plain
+
+
 def _power(name: str, power: int) -> str:
     return name if power == 1 else f"{name}^{power}"
 
@@ -201,7 +209,7 @@ def _power(name: str, power: int) -> str:
 def _powers(unit: str) -> dict[str, int]:
     """The powers of the units in a product or quotient: `{"kg": 1, "m": -3}` of `kg/m^3`."""
     found: dict[str, int] = {}
-    plain = unit.translate(TYPOGRAPHY).replace("**", "^")
+    plain = _typed(unit).replace("**", "^")
     for sign, bracket, single in re.findall(r"(^|/)\s*(?:\(([^()]*)\)|([^/()]*))", plain):
         for name, power in re.findall(r"([^\s*^0-9-]+)\^?(-?[0-9])?", bracket or single):
             found[name] = found.get(name, 0) + int(power or 1) * (-1 if sign else 1)
@@ -247,11 +255,17 @@ OFFSETS = {
 def factor(unit: str, symbol: str) -> float:
     """The number of SI units of `symbol` in one `unit`.
 
+    Text may omit the radians of `rad/s`.
+
     >>> factor("mN/m", "N/m")
     0.001
     """
     if (unit.strip(), symbol) == ("deg", "rad"):
         return DEGREE
+    if symbol == "rad/s" and same_dimension(unit, "1/s"):
+        if unit.strip().endswith("Hz"):
+            raise ValueError(f"{unit!r} counts turns; write for example {example(symbol)!r}")
+        symbol = "1/s"
     known, target = base_of(unit), base_of(symbol)
     if known is not None and target is not None and known.powers == target.powers and known.powers:
         return float(known.value / target.value)
@@ -267,7 +281,7 @@ def factor(unit: str, symbol: str) -> float:
 
 def _readable(unit: str, symbol: str) -> str:
     """A unit as Pint reads it. Raises ValueError where it is no unit by its form."""
-    plain = unit.strip().translate(TYPOGRAPHY)
+    plain = _typed(unit)
     if len(plain) > LONGEST_TEXT or UNIT.fullmatch(plain) is None:
         hint = "; the decimal separator is a point" if plain.startswith(",") else ""
         raise ValueError(f"{unit!r} is not how a unit is written{hint}; write for example {example(symbol)!r}")
@@ -311,7 +325,7 @@ def base_of(unit: str) -> Base | None:
     >>> base_of("mN/m")
     Base(value=Fraction(1, 1000), powers={'kg': 1, 's': -2})
     """
-    plain = unit.strip().translate(TYPOGRAPHY)
+    plain = _typed(unit)
     if plain != "1" and (len(plain) > LONGEST_TEXT or UNIT.fullmatch(plain) is None):
         return None
     value, powers = Fraction(1), dict[str, int]()
@@ -361,7 +375,8 @@ def _dimension(quantity: Any) -> str:
     """The dimension of a quantity as text: `length`, `an angle`, `mass / length ** 3`."""
     if quantity.dimensionless:
         return "an angle" if str(quantity.units) == "radian" else "a plain number"
-    return str(quantity.dimensionality).replace("[", "").replace("]", "")
+    plain = str(quantity.dimensionality).replace("[", "").replace("]", "")
+    return re.sub("^1", "angle", plain) if "radian" in str(quantity.units) else plain
 
 
 def _snapped(scale: float) -> float:
@@ -381,6 +396,7 @@ EXAMPLES = {
     "N/m": "45 mN/m",
     "1": "20 %",
     "1/s": "5 s^-1",
+    "rad/s": "60 rpm",
     "1/m^2": "100 1/mm^2",
     "1/m^3": "100 1/mL",
     "K": "20 degC",
@@ -432,6 +448,7 @@ Friction = Annotated[float, Unit("N*s/m")]
 Angle = Annotated[float, Unit("rad")]
 Number = Annotated[float, Unit("1")]
 Rate = Annotated[float, Unit("1/s")]
+AngularVelocity = Annotated[float, Unit("rad/s")]
 NumberPerArea = Annotated[float, Unit("1/m^2")]
 NumberPerVolume = Annotated[float, Unit("1/m^3")]
 Temperature = Annotated[float, Unit("K")]

@@ -1,6 +1,7 @@
 """Every key with a number accepts each unit of its dimension, and no unit of another."""
 
 import dataclasses
+import math
 import re
 import typing
 
@@ -8,7 +9,7 @@ import pytest
 from pydantic import TypeAdapter, ValidationError
 
 from ecume.errors import SceneError
-from ecume.scenes.quantities import ByDimension, Measured
+from ecume.scenes.quantities import ByDimension, Concentration, Frequency, Measured, TurningRate
 from ecume.scenes.schema import SCENES, from_plain
 from ecume.units import Unit
 
@@ -16,12 +17,14 @@ UNITS = {
     "m": ("mm", "inch", "foot"), "m/s": ("km/hour", "mm/s"), "m/s^2": ("cm/s^2",), "rad": ("deg", "mrad"),
     "s": ("ms", "hour"), "kg/m^3": ("g/cm^3", "g/l"), "Pa*s": ("mPa*s", "poise"), "N/m": ("mN/m", "dyn/cm", "J/m^2"),
     "Pa": ("kPa", "bar", "atm", "N/m^2"), "N": ("uN", "dyn"), "K": ("degC", "mK"), "1/s": ("Hz", "minute^-1"),
+    "rad/s": ("rpm", "deg/s", "s^-1", "1/min"),
     "kg": ("g", "lb"), "kg/m": ("g/cm",), "J": ("erg", "eV"), "N*m": ("uN*m",), "A*m^2": ("mA*m^2",), "T": ("mT",),
     "1": ("%",), "1/m^3": ("cm^-3", "l^-1"), "1/m^2": ("cm^-2",), "m^2": ("mm^2",), "m^2/s": ("cm^2/s",),
     "kg/s": ("g/s", "ug/minute"), "N*m/kg": ("J/kg", "mN*m/g"),
 }  # fmt: skip
 """Other units of each dimension that keys have."""
-ENERGIES = {"J", "N*m"}
+ALIKE = ({"J", "N*m"}, {"J", "N*m"}), ({"rad/s"}, {"1/s"})
+"""Units whose keys also accept others: torques are energies, and text may omit radians."""
 PLAIN = {"constants"}
 """Numbers of user-defined and named laws, in SI units."""
 
@@ -91,11 +94,27 @@ def test_a_key_accepts_the_units_of_its_dimension_and_no_other(path):
         for symbol in own:
             for unit in (spelled(symbol), *UNITS[symbol]) if symbol != "1" else UNITS["1"]:
                 assert accepts(hint, f"0.5 {unit}"), (path, unit)
-        alike = own | (ENERGIES if own & ENERGIES else set())
+        alike = own.union(*(others for units, others in ALIKE if own & units))
         for symbol in UNITS.keys() - alike - {"1"}:
             assert not accepts(hint, f"0.5 {spelled(symbol)}"), (path, symbol)
         if "1" not in own:
             assert not accepts(hint, "50 %"), path
+
+
+@pytest.mark.parametrize(("text", "expected"), [
+    ("60 rpm", math.tau), ("360 deg/s", math.tau), ("2 rad/s", 2.0), ("2 1/s", 2.0), ("120/min", 2.0), ("2 s⁻¹", 2.0),
+])  # fmt: skip
+def test_an_angular_velocity_may_omit_radians_but_is_no_number_of_turns(text, expected):
+    assert TypeAdapter(TurningRate).validate_python(text) == pytest.approx(expected, rel=1e-12)
+    with pytest.raises(ValidationError, match="counts turns; write for example '60 rpm'"):
+        TypeAdapter(TurningRate).validate_python("1 Hz")
+    with pytest.raises(ValidationError, match="measures angle / time, expected 1 / time"):
+        TypeAdapter(Frequency).validate_python("60 rpm")
+
+
+@pytest.mark.parametrize("text", ["100 1/mL", "100/mL", "100 / mL", "100 mL^-1", "1e8 m⁻³", "100 cm⁻³"])
+def test_a_number_per_volume_is_read_as_people_write_it(text):
+    assert TypeAdapter(Concentration).validate_python(text) == pytest.approx(1e8, rel=1e-12)
 
 
 TANK = {

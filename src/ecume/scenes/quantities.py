@@ -17,6 +17,7 @@ from ecume.scenes.faults import Complaints
 from ecume.units import (
     Acceleration,
     Angle,
+    AngularVelocity,
     Density,
     Length,
     Number,
@@ -56,7 +57,8 @@ PositiveTension = Annotated[SurfaceTension, Field(ge=1e-9, le=1e3)]
 Tension = Annotated[SurfaceTension, Field(ge=0.0, le=1e3)]
 Gravity = Annotated[Acceleration, Field(ge=1e-6, le=1e6)]
 MagneticMoment = Annotated[float, Unit("A*m^2"), Field(ge=-1e3, le=1e3)]
-TurningRate = Annotated[Rate, Field(ge=-1e6, le=1e6)]
+TurningRate = Annotated[AngularVelocity, Field(ge=-1e6, le=1e6)]
+Gradient = Annotated[Rate, Field(ge=-1e6, le=1e6)]
 Frequency = Annotated[Rate, Field(gt=0.0, le=1e6)]
 Proportion = Annotated[Number, Field(ge=0.0, le=1.0)]
 Filling = Annotated[Number, Field(gt=0.0, lt=1.0)]

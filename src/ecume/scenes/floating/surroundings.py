@@ -22,6 +22,7 @@ from ecume.scenes.quantities import (
     Filling,
     Frequency,
     GasDensity,
+    Gradient,
     LawName,
     LiquidViscosity,
     Name,
@@ -124,13 +125,13 @@ class FlowSpec:
 
     velocity: tuple[Velocity, Velocity] = (0.0, 0.0)
     """The velocity of the surface at the origin (m/s). Effect: moves all floats with this velocity."""
-    shear_rate: TurningRate = 0.0
+    shear_rate: Gradient = 0.0
     """The gradient of the x velocity along y (1/s). Effect: separates floats at different y; adds noise-independent
     drift."""
     rotation_rate: TurningRate = 0.0
     """The angular velocity of a rotation about the origin (rad/s), counterclockwise. Effect: carries floats around
     the origin."""
-    extension_rate: TurningRate = 0.0
+    extension_rate: Gradient = 0.0
     """The strain rate: extension along x, compression along y (1/s). Effect: moves floats away from the origin along
     x and toward it along y."""
     nodes: NodesSpec | None = None

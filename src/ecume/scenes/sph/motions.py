@@ -9,14 +9,13 @@ from pydantic import Field, model_validator
 
 from ecume.scenes.common import dataclass
 from ecume.scenes.faults import Complaints, Inconsistent
-from ecume.scenes.quantities import STRICT, Coordinate, Motion, Place, Pull
+from ecume.scenes.quantities import STRICT, Coordinate, Motion, Place, Pull, TurningRate
 from ecume.units import Angle, Number, Rate, Time
 
 Frequency = Annotated[Rate, Field(gt=0.0, le=1e6)]
 Phase = Annotated[Angle, Field(ge=-1e3, le=1e3)]
 Moment = Annotated[Time, Field(ge=0.0, le=1e10)]
 Turn = Annotated[Angle, Field(ge=-1e6, le=1e6)]
-Turning = Annotated[Rate, Field(ge=-1e6, le=1e6)]
 
 
 @dataclass(frozen=True, kw_only=True, config=STRICT)
@@ -73,7 +72,7 @@ class BodyMotionSpec:
 
     velocity: Motion | None = None
     """The velocity of a uniform motion (m/s). Effect: a gate opens faster."""
-    spin: Turning = 0.0
+    spin: TurningRate = 0.0
     """The angular velocity of a uniform rotation (rad/s). Example: `5`. Effect: turns the body faster."""
     start: Moment = 0.0
     """The time at which the uniform motion begins (s). Effect: delays the motion."""

@@ -16,6 +16,7 @@ from ecume.scenes.quantities import (
     STRICT,
     Color,
     Duration,
+    Gradient,
     GravityVector,
     LawName,
     LiquidViscosity,
@@ -37,9 +38,8 @@ from ecume.scenes.sph.motions import BaseExcitationSpec
 from ecume.scenes.sph.solids import BodySpec, ObstacleSpec, PassiveTracerSpec, ShapeSpec, extent, passive_tracer_faults
 from ecume.scenes.sph.sources import ParticlesSpec, particle_faults
 from ecume.scenes.sph.tank import GaugeSpec, TankSpec, gauge_faults, side_faults
-from ecume.units import Number, Pressure, Rate, Speed, Temperature
+from ecume.units import AngularVelocity, Number, Pressure, Speed, Temperature
 
-Gradient = Annotated[Rate, Field(ge=-1e6, le=1e6)]
 PositiveNumber = Annotated[Number, Field(gt=0.0, le=1e6)]
 PositiveSpeed = Annotated[Speed, Field(gt=0.0, le=1e5)]
 Exponent = Annotated[Number, Field(ge=1.0, le=20.0)]
@@ -200,8 +200,8 @@ class RegionSpec(ShapeSpec):
 class CentralForceSpec:
     """A pull towards a point that grows with the distance: acceleration - rate^2 (x - center)."""
 
-    angular_frequency: Annotated[Rate, Field(gt=0.0, le=1e6)]
-    """The angular frequency w of a lone particle in the force -m w^2 (x - center) (1/s). Effect: the force grows
+    angular_frequency: Annotated[AngularVelocity, Field(gt=0.0, le=1e6)]
+    """The angular frequency w of a lone particle in the force -m w^2 (x - center) (rad/s). Effect: the force grows
     with its square."""
     center: Place
     """The point toward which the force acts (m). Effect: shifts the equilibrium."""

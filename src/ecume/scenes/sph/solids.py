@@ -23,9 +23,10 @@ from ecume.scenes.quantities import (
     Proportion,
     Size,
     Switch,
+    TurningRate,
     WettingAngle,
 )
-from ecume.scenes.sph.motions import BodyMotionSpec, Turning
+from ecume.scenes.sph.motions import BodyMotionSpec
 from ecume.units import Length, Number
 
 Slip = Literal["free", "no-slip"]
@@ -158,7 +159,7 @@ class BodySpec(ShapeSpec):
     """The mass of the body (kg; kg/m in 2D), instead of its density. Effect: heavier bodies sink deeper."""
     velocity: Motion | None = None
     """The initial velocity of the body (m/s). Effect: sets the start of the body."""
-    spin: Turning | tuple[Turning, Turning, Turning] = 0.0
+    spin: TurningRate | tuple[TurningRate, TurningRate, TurningRate] = 0.0
     """The initial angular velocity (rad/s): one number about z, or three in 3D. Example: `5`. Effect: sets the start
     of the body."""
     motion: BodyMotionSpec | None = None
