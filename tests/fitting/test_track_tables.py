@@ -97,3 +97,88 @@ def test_student_tracks(files):
     found = ecume.fit(tracks, CASES / "guess.toml", ["viscosity"])
     (viscosity,) = (one.value for one in found.estimates)
     assert viscosity == pytest.approx(0.00999, rel=2e-3)
+
+
+def side_by_side(heads, mark, columns=(TIMES, 1e3 * ONE[:, 0], 1e3 * ONE[:, 1], 1e3 * OTHER[:, 0], 1e3 * OTHER[:, 1])):
+    """A table in s and mm with two objects beside one another."""
+    text = mark.join(heads) + "\n" + lines(columns, mark)
+    return text if mark == "," else text.replace(".", ",")
+
+
+BESIDE = [
+    ["t [s]", "x1 [mm]", "y1 [mm]", "x2 [mm]", "y2 [mm]"],
+    ["t (s)", "X1 (mm)", "Y1 (mm)", "X2 (mm)", "Y2 (mm)"],
+    ["time_s", "x_a [mm]", "y_a [mm]", "x_b [mm]", "y_b [mm]"],
+    ["Time [s]", "a_x [mm]", "a_y [mm]", "b_x [mm]", "b_y [mm]"],
+    ["Time [s]", "Trajectory 1/X [mm]", "Trajectory 1/Y [mm]", "Trajectory 2/X [mm]", "Trajectory 2/Y [mm]"],
+]
+
+
+@pytest.mark.parametrize("encoding", ["utf-8", "utf-8-sig", "utf-16", "cp1252"])
+@pytest.mark.parametrize("mark", [",", ";", "\t"])
+@pytest.mark.parametrize("heads", BESIDE)
+def test_objects_beside_one_another_are_read_with_every_separator_and_encoding(heads, mark, encoding, tmp_path):
+    for unit, scale in (("mm", 1e3), ("µm", 1e6)):
+        columns = (TIMES, *(scale * ONE.T), *(scale * OTHER.T))
+        named = [head.replace("mm", unit) for head in heads]
+        (tmp_path / "beads.csv").write_bytes(side_by_side(named, mark, columns).encode(encoding))
+        found = read_tracks(tmp_path / "beads.csv")
+        assert found.times == pytest.approx(TIMES)
+        assert found.position == pytest.approx(np.stack([ONE, OTHER], axis=1), abs=1e-9)
+
+
+def in_rows(head, row):
+    """A table with one object a line, in pixels of 20 µm and frames."""
+    spots = [(who, n, *place) for who, track in ((1, ONE), (2, OTHER)) for n, place in enumerate(track / 20e-6)]
+    return head + "".join(row(who, n, x, y) for who, n, x, y in spots)
+
+
+IN_ROWS = {
+    "manual": in_rows(
+        " \tTrack n°\tSlice n°\tX\tY\tDistance\tVelocity\tPixel Value\n",
+        lambda who, n, x, y: f"0\t{who}\t{n + 1}\t{x:.9g}\t{y:.9g}\t-1\t-1\t255\n",
+    ),
+    "mosaic": in_rows(",Trajectory,Frame,x,y,z,m0,m1\n", lambda who, n, x, y: f"0,{who},{n},{x:.9g},{y:.9g},0,1,1\n"),
+    "deeplabcut": "scorer,net,net,net,net,net,net\nbodyparts,1,1,1,2,2,2\ncoords,x,y,likelihood,x,y,likelihood\n"
+    + lines([np.arange(5), *(ONE.T / 20e-6), np.ones(5), *(OTHER.T / 20e-6), np.ones(5)], ","),
+    "individuals": "scorer,net,net,net,net\nindividuals,1,1,2,2\nbodyparts,head,head,head,head\ncoords,x,y,x,y\n"
+    + lines([np.arange(5), *(ONE.T / 20e-6), *(OTHER.T / 20e-6)], ","),
+}
+
+
+@pytest.mark.parametrize("kind", IN_ROWS)
+@pytest.mark.parametrize("encoding", ["utf-8", "cp1252"])
+def test_tables_of_tracking_programs_in_pixels_and_frames_are_read(kind, encoding, tmp_path):
+    (tmp_path / "beads.txt").write_bytes(IN_ROWS[kind].encode(encoding))
+    found = read_tracks(tmp_path / "beads.txt", Camera(pixel=20e-6, rate=25.0))
+    assert found.times == pytest.approx(TIMES)
+    assert found.position == pytest.approx(np.stack([ONE, OTHER], axis=1), abs=1e-9)
+
+
+def test_a_unit_behind_an_underscore_is_no_object(tmp_path):
+    (tmp_path / "bead.csv").write_text("t_s,x_mm,y_mm\n" + lines([TIMES, *(1e3 * ONE.T)], ","))
+    found = read_tracks(tmp_path / "bead.csv")
+    assert found.names == ("bead",)
+    assert found.position[:, 0] == pytest.approx(ONE, abs=1e-9)
+
+
+@pytest.mark.parametrize("more", ["x velocity", "v_x", "x_v"])
+def test_velocities_beside_positions_are_no_objects(more, tmp_path):
+    """As Logger Pro and Tracker write them."""
+    for name, track in (("one", ONE), ("other", OTHER)):
+        heads = f"Time (s),X (m),Y (m),{more},{more.replace('x', 'y')}\n"
+        (tmp_path / f"{name}.csv").write_text(heads + lines([TIMES, *track.T, TIMES, TIMES], ","))
+    found = read_tracks([tmp_path / "one.csv", tmp_path / "other.csv"])
+    assert found.names == ("one", "other")
+    assert found.position == pytest.approx(np.stack([ONE, OTHER], axis=1), abs=1e-9)
+
+
+def test_columns_between_blanks_are_read(tmp_path):
+    (tmp_path / "bead.txt").write_text("# t x y\n" + lines([TIMES, *ONE.T], "   "))
+    assert read_tracks(tmp_path / "bead.txt").position[:, 0] == pytest.approx(ONE, abs=1e-9)
+
+
+def test_a_file_that_is_no_text_is_refused(tmp_path):
+    (tmp_path / "beads.csv").write_bytes(b"PK\x03\x04\x14\x00\xff")
+    with pytest.raises(BadInput, match="is not UTF-8 text"):
+        read_tracks(tmp_path / "beads.csv")

@@ -220,3 +220,11 @@ def test_a_tables_own_angle_overrules_the_surface_energies_of_the_defaults(tmp_p
     assert (row.contact_angle, row.surface_energies) == (1.5, None)
     (row,) = read(tmp_path, "x,y\n1,2\n", young).rows
     assert row.surface_energies is not None
+
+
+@pytest.mark.parametrize("encoding", ["utf-8", "utf-8-sig", "utf-16", "cp1252"])
+def test_a_table_is_read_in_every_encoding_of_spreadsheets(tmp_path: Path, encoding: str) -> None:
+    (tmp_path / "bowl.csv").write_bytes("x [µm];y [µm];contact_angle [°]\n1000,5;2000;60\n".encode(encoding))
+    (tmp_path / "scene.toml").write_text(SCENE + "[[particles]]\nradius = '1 mm'\ndensity = 600\n")
+    (row,) = load_scene(tmp_path / "scene.toml").rows  # type: ignore[union-attr]
+    assert (row.x, row.y, row.contact_angle) == pytest.approx((0.0010005, 0.002, 1.0471975512))

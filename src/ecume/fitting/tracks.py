@@ -3,8 +3,9 @@ scene.
 
 Columns are recognized by their headers: plain `x, y, t, id`, trackpy's `x, y, frame, particle`, TrackMate's
 `POSITION_X, POSITION_Y, POSITION_T or FRAME, TRACK_ID` with three more header lines, and those of `ecume export --to
-csv`. Other columns are ignored. MTrackJ's tables have TID; those of the video program Tracker have separate columns x
-and y for each object, or one object in each file.
+csv`. Other columns are ignored. MTrackJ's tables have TID, those of ImageJ's Manual Tracking have "Track n°",
+those of MOSAIC "Trajectory"; those of Tracker (the video program), Logger Pro, Kinovea, idtracker.ai and DeepLabCut have
+columns x and y for each object, or one object in each file.
 """
 
 from __future__ import annotations
@@ -23,7 +24,7 @@ from scipy.optimize import linear_sum_assignment
 
 from ecume.errors import BadInput
 from ecume.scenes.faults import echo, suggestion
-from ecume.scenes.tables import text_of
+from ecume.scenes.tables import table_text
 from ecume.simulation import simulate
 from ecume.trajectories.frame import Frame
 from ecume.units import Array, factor
@@ -41,8 +42,8 @@ NAMES = {
     "x": ("x", "position_x"),
     "y": ("y", "position_y"),
     "time": ("t", "time", "position_t"),
-    "frame": ("frame",),
-    "object": ("track_id", "tid", "particle", "track", "object", "id"),
+    "frame": ("frame", "slice n°", "slice"),
+    "object": ("track_id", "tid", "track n°", "trajectory", "particle", "track", "object", "id"),
 }
 """The accepted names of columns, in lower case; the first one in the table is used."""
 HEAD = re.compile(r"\s*([^\[\](),;]*?)\s*(?:[\[(]\s*([^\[\]()]*?)\s*[\])])?\s*")
@@ -95,7 +96,7 @@ def read_tracks(
     scale = 1.0
     for file in files:
         try:
-            rows = in_rows_of_objects(_rows(text_of(file, MOST_BYTES)), file.stem)
+            rows = in_rows_of_objects(_with_units(_rows(table_text(file, MOST_BYTES))), file.stem)
             columns, body = _columns(rows, camera)
             spots += _apart(_spots(body, columns), {who for who, *_ in spots}, file.stem)
             scale = columns["x"].scale
@@ -115,7 +116,20 @@ def _apart(spots: Sequence[Spot], taken: set[str], name: str) -> list[Spot]:
 Rows = list[tuple[int, list[str]]]
 """The number and the cells of each line."""
 NUMERIC = re.compile(r"[+-]?(?:[0-9]+[.,]?[0-9]*|[.,][0-9]+)(?:[eE][+-]?[0-9]+)?")
-OF_OBJECT = re.compile(r"\s*([xy])(?:[_ ]([^\[\](),;]*?))?\s*((?:[\[(][^\[\]()]*[\])])?)\s*")
+OF_OBJECT = re.compile(
+    r"\s*([xy])(?:[_ ]?([0-9]+)|[_ ]([^\[\](),;]*?))?\s*((?:[\[(][^\[\]()]*[\])])?)\s*", re.IGNORECASE
+)
+"""A column of one object: x, x1 or x_A."""
+OBJECT_OF = re.compile(r"\s*([^\[\](),;]*?)[/_ ]([xy])\s*((?:[\[(][^\[\]()]*[\])])?)\s*", re.IGNORECASE)
+"""The same with the object before it: A_x, or Trajectory 1/X."""
+BEHIND = re.compile(r"[\[(][^\[\]()]*[\])]\s*$")
+"""The unit of a column, in brackets or parentheses behind its name."""
+NOT_OBJECTS = ("v", "vel", "velocity", "speed", "acc", "acceleration", "component")
+"""Words beside x and y that name other quantities."""
+WITH_UNIT = re.compile(r"\s*([A-Za-z]+)_(nm|um|µm|μm|mm|cm|m|px|pixels?|s|ms|sec|min)\s*")
+"""A column with its unit behind an underscore: x_mm, t_s."""
+BODY_PARTS = "scorer"
+"""The first cell of tables of DeepLabCut."""
 
 
 def in_rows_of_objects(rows: Rows, name: str) -> Rows:
@@ -125,6 +139,9 @@ def in_rows_of_objects(rows: Rows, name: str) -> Rows:
     several objects side by side. `name` is the name of an object without one.
     """
     first = [cell.strip() for cell in rows[0][1]]
+    if first[0] == BODY_PARTS:
+        rows = _one_head(rows)
+        first = rows[0][1]
     if len(first) >= 3 and all(NUMERIC.fullmatch(cell) for cell in first[:3]):
         return [(0, ["t", "x", "y", "object"]), *((line, [*row[:3], name]) for line, row in rows)]
     heads, above, body = first, [name] * len(first), rows[1:]
@@ -135,16 +152,11 @@ def in_rows_of_objects(rows: Rows, name: str) -> Rows:
     time = next((place for place, word in enumerate(words) if word in (*NAMES["time"], *NAMES["frame"])), None)
     if time is None or any(word in NAMES["object"] for word in words) or words.count("position_x"):
         return rows
-    places = [OF_OBJECT.fullmatch(cell[:200]) for cell in heads]
-    pairs: dict[str, dict[str, int]] = {}
-    for place, match in enumerate(places):
-        if match:
-            pairs.setdefault(match[2] or above[place], {}).setdefault(match[1], place)
-    whole = {who: pair for who, pair in pairs.items() if len(pair) == 2}
+    whole = _pairs(heads, above, OF_OBJECT) or _pairs(heads, above, OBJECT_OF)
     if not whole:
         return rows
     x, y = (next(iter(whole.values()))[axis] for axis in "xy")
-    units = (match[3] if (match := places[place]) else "" for place in (x, y))
+    units = (match[0] if (match := BEHIND.search(heads[place][:200])) else "" for place in (x, y))
     head = [heads[time], *(axis + unit for axis, unit in zip("xy", units, strict=True))]
     lines = [
         (line, [*(row[place] if place < len(row) else "" for place in (time, pair["x"], pair["y"])), who])
@@ -152,6 +164,41 @@ def in_rows_of_objects(rows: Rows, name: str) -> Rows:
         for who, pair in whole.items()
     ]
     return [(rows[0][0], [*head, "object"]), *lines]
+
+
+def _pairs(heads: Sequence[str], above: Sequence[str], form: re.Pattern[str]) -> dict[str, dict[str, int]]:
+    """The columns x and y of each object, whose names are in the heads or above them."""
+    pairs: dict[str, dict[str, int]] = {}
+    for place, cell in enumerate(heads):
+        if match := form.fullmatch(cell[:200]):
+            axis, who = (match[1], match[2] or match[3]) if form is OF_OBJECT else (match[2], match[1])
+            if not who or who.lower() not in NOT_OBJECTS:
+                pairs.setdefault(who or above[place], {}).setdefault(axis.lower(), place)
+    return {who: pair for who, pair in pairs.items() if len(pair) == 2}
+
+
+def _with_units(rows: Rows) -> Rows:
+    """The table with units in its head in brackets, where they are in parentheses or behind an underscore."""
+    (line, head), *body = rows
+    return [(line, [_bracketed(cell[:200]) for cell in head]), *body]
+
+
+def _bracketed(cell: str) -> str:
+    if (match := WITH_UNIT.fullmatch(cell)) and match[1].lower() in (*NAMES["x"], *NAMES["y"], *NAMES["time"]):
+        return f"{match[1]} [{match[2]}]"
+    return cell
+
+
+def _one_head(rows: Rows) -> Rows:
+    """A table of DeepLabCut, whose lines of names are above its coordinates, with a single head."""
+    heads = {row[0].strip().lower(): row for _, row in rows[:5]}
+    if not {"bodyparts", "coords"} <= heads.keys():
+        return rows
+    count = len(heads["coords"])
+    above = [heads[key] for key in ("individuals", "bodyparts") if key in heads and len(heads[key]) == count]
+    names = [" ".join(cells) for cells in zip(*above, strict=True)]
+    head = [f"{coordinate}_{name}" for coordinate, name in zip(heads["coords"], names, strict=True)]
+    return [(rows[0][0], ["frame", *head[1:]]), *rows[len(above) + 2 :]]
 
 
 def _is_head(cells: Sequence[str]) -> bool:
@@ -194,6 +241,9 @@ def _rows(text: str) -> list[tuple[int, list[str]]]:
     """The number and the cells of each nonempty line."""
     first = next((line for line in text.splitlines() if line.strip() and not line.startswith("#")), "")
     mark = max(";\t,", key=first.count)
+    if not first.count(mark):  # columns between blanks
+        text = "\n".join("\t".join(line.split()) for line in text.splitlines())
+        mark = "\t"
     reader = csv.reader(io.StringIO(text, newline=""), delimiter=mark, strict=True)
     try:
         found = [(reader.line_num, row) for row in reader if any(map(str.strip, row)) and not row[0].startswith("#")]

@@ -22,7 +22,7 @@ from pydantic_core import ArgsKwargs
 from ecume.scenes.common import dataclass
 from ecume.scenes.faults import Complaints, Inconsistent, Path
 from ecume.scenes.quantities import MOST_PARTICLES, STRICT, Radius
-from ecume.scenes.tables import MOST_BYTES, TableFaults, beside, followed, lines_of, require_there, text_of
+from ecume.scenes.tables import MOST_BYTES, TableFaults, beside, followed, lines_of, require_there, table_text
 from ecume.units import Array, Number, Unit
 
 Spread = Annotated[Number, Field(gt=0.0, le=1.0)]
@@ -281,7 +281,7 @@ def _histogram(radius: dict[str, Any], name: str, folder: Folder) -> None:
     """The radii and weights of a table. Raises ValueError."""
     path = beside(folder, name)
     require_there(path, folder)
-    lines = [line.values for line in lines_of(text_of(path, MOST_BYTES), SIZE_COLUMNS, required=())]
+    lines = [line.values for line in lines_of(table_text(path, MOST_BYTES), SIZE_COLUMNS, required=())]
     if "radius" not in lines[0]:
         raise TableFaults(["line 1: expected either a column radius or a column diameter"])
     radius["radii"] = [values["radius"] for values in lines]

@@ -27,7 +27,7 @@ from ecume.errors import BadInput
 from ecume.scenes.common import dataclass
 from ecume.scenes.faults import Complaints, Inconsistent, Path, echo, faults_of, suggestion
 from ecume.scenes.quantities import STRICT, Duration, Name, Size, sides_along
-from ecume.scenes.tables import COMPRESSED, MOST_BYTES, beside, lines_of, require_there, text_of
+from ecume.scenes.tables import COMPRESSED, MOST_BYTES, beside, lines_of, require_there, table_text, text_of
 from ecume.trajectories.foreign import series
 from ecume.trajectories.foreign.particles import FileFault, Particles
 from ecume.trajectories.foreign.series import Series
@@ -121,7 +121,7 @@ def of_table(folder: Folder, name: str, model: str) -> Start:
     """The particles of a table, whose radii are those of the species unless there is a column. Raises ValueError."""
     path = beside(folder, name)
     require_there(path, folder)
-    lines = [line.values for line in lines_of(text_of(path, MOST_BYTES), COLUMNS[model])]
+    lines = [line.values for line in lines_of(table_text(path, MOST_BYTES), COLUMNS[model])]
     types = [line.get("name", "") for line in lines]
     names = tuple(sorted(set(types)))
 

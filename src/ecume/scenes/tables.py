@@ -80,6 +80,33 @@ def _unpacked(content: bytes, most_bytes: int) -> bytes:
     return found
 
 
+def table_text(path: pathlib.Path, most_bytes: int) -> str:
+    """The text of a table, which a spreadsheet may have written as UTF-16 or, on Windows, in its code page. Raises
+    ValueError.
+    """
+    content = bytes_of(path, most_bytes)
+    if path.suffix.lower() == COMPRESSED:
+        content = _unpacked(content, most_bytes)
+    for mark, name in ((codecs.BOM_UTF16_LE, "utf-16-le"), (codecs.BOM_UTF16_BE, "utf-16-be")):
+        if content.startswith(mark):
+            try:
+                return content.removeprefix(mark).decode(name)
+            except UnicodeDecodeError as error:
+                raise ValueError(f"cannot be read as UTF-16: {error.reason}") from None
+    try:
+        return decoded(content)
+    except NotText:
+        if CONTROLS.search(content):
+            raise
+        return content.decode(CODE_PAGE, errors="replace")
+
+
+CONTROLS = re.compile(rb"[\x00-\x08\x0e-\x1f]")
+"""Bytes that no text contains."""
+CODE_PAGE = "cp1252"
+"""The characters of Windows in most European languages, with the same micro and degree signs as Latin-1."""
+
+
 def bytes_of(path: pathlib.Path, most_bytes: int) -> bytes:
     """The content of a plain file, up to a largest size. Raises ValueError."""
     try:

@@ -16,7 +16,7 @@ from ecume.scenes.floating import SurfaceEnergies
 from ecume.scenes.floating.scene import PINNED
 from ecume.scenes.quantities import STRICT, Color, ContactAngle, Name, PositiveDensity, Radius, Velocity
 from ecume.scenes.runs import frame_of_run
-from ecume.scenes.tables import MOST_BYTES, TableFaults, beside, lines_of, require_there, text_of
+from ecume.scenes.tables import MOST_BYTES, TableFaults, beside, lines_of, require_there, table_text
 from ecume.trajectories.frame import Frame, omitted_from
 
 TABLE, RUN = "particles_from", "start_from"
@@ -104,7 +104,7 @@ def _few(messages: Sequence[str]) -> list[str]:
 def _from_table(raw: dict[str, Any], folder: Folder, name: str) -> Rows:
     table = beside(folder, name)
     require_there(table, folder)
-    lines = lines_of(text_of(table, MOST_BYTES))
+    lines = lines_of(table_text(table, MOST_BYTES))
     defaults, faults = _defaults(raw.pop("particles", []))
     plain = [_row(line.values, defaults) for line in lines]
     missing = [key for key in ("radius", "density", "contact_angle") if not _has(plain[0], key)]

@@ -38,7 +38,7 @@ from ecume.scenes.quantities import (
     Velocity,
     WettingAngle,
 )
-from ecume.scenes.tables import MOST_BYTES, beside, followed, lines_of, require_there, text_of
+from ecume.scenes.tables import MOST_BYTES, beside, followed, lines_of, require_there, table_text
 from ecume.units import ROOM, Force, Number, Rate, Unit
 
 Torque = Annotated[float, Unit("N*m")]
@@ -60,7 +60,7 @@ def follow_current(raw: dict[str, Any], folder: Folder) -> Complaints:
 def _nodes_from(flow: dict[str, Any], name: str, folder: Folder) -> None:
     path = beside(folder, name)
     require_there(path, folder)
-    lines = lines_of(text_of(path, MOST_BYTES), COLUMNS)
+    lines = lines_of(table_text(path, MOST_BYTES), COLUMNS)
     if missing := [column for column in COLUMNS if column not in lines[0].values]:
         raise ValueError(f"has no column {missing[0]}; expected x, y, vx and vy")
     flow["nodes"] = nodes_of([[line.values[column] for column in COLUMNS] for line in lines])

@@ -20,7 +20,7 @@ from ecume.errors import install
 from ecume.scenes.common import dataclass
 from ecume.scenes.faults import Complaints, Inconsistent, Path, echo
 from ecume.scenes.quantities import BODY_MASS, FARTHEST, STRICT, BodyMass, Motion, Place, PositiveDensity, sides_along
-from ecume.scenes.tables import MOST_BYTES, beside, bytes_of, followed, lines_of, require_there, text_of
+from ecume.scenes.tables import MOST_BYTES, beside, bytes_of, followed, lines_of, require_there, table_text
 
 
 @dataclass(frozen=True, kw_only=True, config=STRICT)
@@ -148,7 +148,7 @@ def _there(folder: Folder, name: str) -> Folder:
 
 def _particles_from(region: dict[str, Any], name: str, folder: Folder) -> None:
     """Read one particle per line."""
-    lines = lines_of(text_of(_there(folder, name), MOST_BYTES), LIQUID_COLUMNS)
+    lines = lines_of(table_text(_there(folder, name), MOST_BYTES), LIQUID_COLUMNS)
     columns = [key for key in LIQUID_COLUMNS if key in lines[0].values]
     region["particles"] = particles_of({key: [line.values[key] for line in lines] for key in columns})
 
