@@ -5,7 +5,7 @@ import pytest
 from tests.models.sph.test_sources import ball
 
 from ecume.engine.nearest_triangles import nearest_triangles
-from ecume.engine.outlines import Mesh, cylinder_of, hull_of
+from ecume.engine.outlines import Mesh, cylinder_of, hull_of, outward
 from ecume.engine.shapes import Ball, Box, Hollow, Polygon
 from ecume.errors import BadInput
 
@@ -121,3 +121,38 @@ def test_a_hollow_block_is_solid_where_its_hole_is_not():
     assert block.cells(0.05).volumes.sum() == pytest.approx(block.volume())
     _, normals, areas = block.panels(0.05)
     np.testing.assert_allclose((normals * areas[:, None]).sum(axis=0), 0.0, atol=1e-12)
+
+
+def ball_mesh(center, radius):
+    return ball(radius, center)
+
+
+def two_balls(radius, apart):
+    """The volume of two equal balls together."""
+    lens = np.pi * (4.0 * radius + apart) * (2.0 * radius - apart) ** 2 / 12.0 if apart < 2.0 * radius else 0.0
+    return 8.0 / 3.0 * np.pi * radius**3 - lens
+
+
+@pytest.mark.parametrize("inside_out", [(), (0,), (1,), (0, 1)])
+@pytest.mark.parametrize("apart", [0.5, 1.3, 2.5])
+def test_shells_of_any_sense_are_united(inside_out, apart):
+    """Programs for drawing export some bodies inside out."""
+    shells = [ball_mesh([0.0, 0.0, 0.0], 1.0), ball_mesh([apart, 0.1, 0.05], 1.0)]
+    turned = [shell[:, ::-1] if k in inside_out else shell for k, shell in enumerate(shells)]
+    mesh = Mesh(outward(np.concatenate(turned)))
+    assert mesh.volume() == pytest.approx(two_balls(1.0, np.hypot(apart, np.hypot(0.1, 0.05))), rel=0.01)
+    assert mesh.volume() == pytest.approx(Mesh(np.concatenate(shells)).volume(), rel=1e-9)
+    assert mesh.inside(np.array([[0.5 * apart if apart < 2.0 else 0.0, 0.05, 0.02]])).all()
+
+
+def test_a_shell_of_the_other_sense_inside_is_a_cavity():
+    outer, inner, core = (ball_mesh([0.1, 0.0, 0.0], radius) for radius in (1.0, 0.6, 0.3))
+    for turn in (1, -1):
+        mesh = Mesh(outward(np.concatenate([outer, inner[:, ::-1], core])[:, ::turn]))
+        volumes = [Mesh(each).volume() for each in (outer, inner, core)]
+        assert mesh.volume() == pytest.approx(volumes[0] - volumes[1] + volumes[2])
+        assert mesh.inside(np.array([[0.1, 0.0, 0.0], [0.55, 0.0, 0.0], [0.9, 0.0, 0.0]])).tolist() == [
+            True,
+            False,
+            True,
+        ]

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from ecume.engine import shapes
 from ecume.engine.shapes import Ball, Box, Polygon, apart, covered_volume, fitted_cells
 
 BOX = Box(np.array([-1.0, 0.5]), np.array([2.0, 1.5]))
@@ -116,3 +117,32 @@ def test_points_apart_are_in_none_of_the_shapes():
     points = points_about(BOX)
     free = apart(points, [BOX, DISC])
     assert np.array_equal(free, ~BOX.inside(points) & ~DISC.inside(points))
+
+
+def star(rng, count):
+    """A simple polygon of random radii."""
+    angle = np.sort(rng.uniform(0.0, 2.0 * np.pi, count))
+    return rng.uniform(0.3, 1.0, count)[:, None] * np.stack([np.cos(angle), np.sin(angle)], axis=1)
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_points_are_inside_a_polygon_where_the_angles_of_its_corners_add_up_to_a_turn(seed, monkeypatch):
+    rng = np.random.default_rng(seed)
+    corners, points = star(rng, 40), rng.uniform(-1.0, 1.0, (500, 2))
+    away = (corners[None] - points[:, None]) @ np.array([1.0, 1.0j])
+    turns = np.angle(np.roll(away, -1, axis=1) / away).sum(axis=1) / (2.0 * np.pi)
+    polygon = Polygon(corners)
+    expected = polygon.inside(points), *polygon.nearest(points), polygon.way_out(points, np.array([0.6, 0.8]))
+    assert expected[0].tolist() == (np.abs(turns) > 0.5).tolist()
+    monkeypatch.setattr(shapes, "MOST_CROSSINGS", 100)
+    found = polygon.inside(points), *polygon.nearest(points), polygon.way_out(points, np.array([0.6, 0.8]))
+    for one, other in zip(found, expected, strict=True):
+        np.testing.assert_array_equal(one, other)
+
+
+def test_an_outline_of_many_corners_costs_what_its_rays_meet():
+    """20,000 corners and 250,000 points would be 40 GB as a table."""
+    angle = np.linspace(0.0, 2.0 * np.pi, 20_000, endpoint=False)
+    points = np.random.default_rng(1).uniform(-1.0, 1.0, (250_000, 2))
+    inside = Polygon(np.stack([np.cos(angle), np.sin(angle)], axis=1)).inside(points)
+    assert (inside == (np.hypot(*points.T) < 1.0)).mean() > 0.99999

@@ -24,7 +24,7 @@ from ecume._jit import compiled, compiled_inside
 from ecume._portable import length, product
 from ecume.engine.cells import Integers
 from ecume.engine.nearest_triangles import nearest_triangles
-from ecume.engine.shapes import Cells, Flags, fitted_cells, round_up, scaled_to, whole_within
+from ecume.engine.shapes import MOST_CROSSINGS, Cells, Flags, fitted_cells, round_up, scaled_to, whole_within
 from ecume.engine.walls import Walls, is_circle, wall_distance
 from ecume.errors import BadInput
 from ecume.units import Array
@@ -376,8 +376,6 @@ def wall_near(
 
 OBLIQUE = np.array([0.53779, 0.61803, 0.57309])
 """A direction along which drawn objects have no edges: a ray through an edge would count two crossings."""
-MOST_CROSSINGS = 4_000_000
-"""The number of pairs of ray and triangle that are processed at once."""
 MOST_BUCKETS = 1024
 """The largest number of buckets along each side of the table of triangles."""
 COLUMNS = 300
@@ -472,6 +470,11 @@ class Mesh(NamedTuple):
         for found in self._crossings(points, OBLIQUE):
             winding += np.bincount(found.ray, found.way, len(points))
         return np.asarray(winding != 0.0)
+
+    def contains(self, points: Array) -> bool:
+        """Whether all points are inside."""
+        low, high = self.bounds()
+        return bool(((points >= low) & (points <= high)).all()) and bool(self.inside(points).all())
 
     def way_out(self, points: Array, direction: Array) -> Array:
         """The distance to the nearest triangle ahead; zero if it meets no triangle."""
@@ -664,15 +667,33 @@ class Mesh(NamedTuple):
 def _volume_of(data: bytes) -> tuple[float, bool]:
     """The volume of a mesh, and whether its shells overlap; cached, since bodies need it at each step."""
     mesh = Mesh(np.frombuffer(data).reshape(-1, 3, 3))
-    if _shells(mesh.triangles) > 1:
+    if _shells(mesh.triangles)[0] > 1:
         length, several, cell = mesh.lengths()
         if several > OVERLAP * length:
             return length * cell, True
     return abs(float(_determinants(mesh.triangles - mesh.triangles[0, 0]).sum())) / 6.0, False
 
 
-def _shells(triangles: Array) -> int:
-    """The number of closed surfaces that share no edge."""
+def outward(triangles: Array) -> Array:
+    """The triangles (T, 3, 3) of closed shells, turned where a shell is inside out. A shell of the other sense that is
+    inside of another one is a cavity and stays; the sense is that of the largest shell.
+    """
+    count, shell = _shells(triangles)
+    if count == 1:
+        return triangles
+    volume = np.bincount(shell, _determinants(triangles - triangles[0, 0]), count)
+    sense = np.sign(volume[np.argmax(np.abs(volume))])
+    turned = np.zeros(count, bool)
+    for other in np.flatnonzero(volume * sense < 0.0):
+        corners = triangles[shell == other].reshape(-1, 3)
+        around = (Mesh(triangles[shell == each]) for each in np.flatnonzero(volume * sense > 0.0))
+        turned[other] = not any(each.contains(corners) for each in around)
+    found: Array = np.where(turned[shell][:, None, None], triangles[:, ::-1], triangles)
+    return found
+
+
+def _shells(triangles: Array) -> tuple[int, Integers]:
+    """The number of closed surfaces that share no edge, and that of each triangle (T,)."""
     corners = triangles.reshape(-1, 3)
     close = SAME * float(np.ptp(corners, axis=0).max())
     place = np.unique(np.round(corners / close), axis=0, return_inverse=True)[1].reshape(-1, 3)
@@ -683,7 +704,8 @@ def _shells(triangles: Array) -> int:
     from scipy.sparse.csgraph import connected_components
 
     links = coo_array((np.ones(len(face)), (face, len(triangles) + edge)), (count, count))
-    return int(connected_components(links, directed=False)[0])
+    number, label = connected_components(links, directed=False)
+    return int(number), np.asarray(label[: len(triangles)], np.int64)
 
 
 def _areas(triangles: Array) -> Array:

@@ -7,7 +7,7 @@ Points are (N, d). Lattices of equal cells fit into shapes: the volumes of the c
 from __future__ import annotations
 
 import itertools
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from typing import NamedTuple, Protocol
 
 import numpy as np
@@ -17,6 +17,9 @@ from ecume._portable import cos, dot, length, product, sin
 from ecume.units import Array
 
 Flags = NDArray[np.bool_]
+Integers = NDArray[np.int64]
+MOST_CROSSINGS = 4_000_000
+"""The number of pairs of a ray or point with a piece of a boundary that are processed at once."""
 
 
 class Cells(NamedTuple):
@@ -333,12 +336,17 @@ class Polygon(NamedTuple):
 
     def inside(self, points: Array) -> Flags:
         """Whether a ray to the right crosses an odd number of edges."""
-        odd: Flags = self._crossings(points, np.array([1.0, 0.0])).sum(axis=1) % 2 == 1
+        count = np.zeros(len(points), np.int64)
+        for point, _ in self._crossings(points, np.array([1.0, 0.0])):
+            count += np.bincount(point, minlength=len(points))
+        odd: Flags = count % 2 == 1
         return odd
 
     def way_out(self, points: Array, direction: Array) -> Array:
         """The distance to the nearest edge ahead."""
-        way: Array = self._distances(points, direction).min(axis=1)
+        way = np.full(len(points), np.inf)
+        for point, distance in self._crossings(points, direction):
+            np.minimum.at(way, point, distance)
         return way
 
     def cells(self, spacing: float, faces: Array | None = None) -> Cells:
@@ -368,6 +376,11 @@ class Polygon(NamedTuple):
 
     def nearest(self, points: Array) -> tuple[Array, Array]:
         """Distance and normal of the nearest edge or corner."""
+        some = max(MOST_CROSSINGS // len(self.vertices), 1)
+        if len(points) > some:
+            parts = [self.nearest(points[k : k + some]) for k in range(0, len(points), some)]
+            gaps, normals = zip(*parts, strict=True)
+            return np.concatenate(gaps), np.concatenate(normals)
         first, edge = self.vertices, np.roll(self.vertices, -1, axis=0) - self.vertices
         away = points[:, None, :] - first[None]
         share = np.clip((away * edge).sum(axis=2) / (edge**2).sum(axis=1), 0.0, 1.0)
@@ -465,25 +478,28 @@ class Polygon(NamedTuple):
     def _turn(self) -> float:
         return float(self._fan()[2].sum())
 
-    def _crossings(self, points: Array, direction: Array) -> Flags:
-        return np.isfinite(self._distances(points, direction))
-
-    def _distances(self, points: Array, direction: Array) -> Array:
-        """The distances (N, V) from each point along a ray to each edge; infinite if it misses the edge."""
+    def _crossings(self, points: Array, direction: Array) -> Iterator[tuple[Integers, Array]]:
+        """Yield points, by index, with the distance along a ray to an edge ahead, for some edges at a time. Points are
+        sorted across the rays, so that each edge is compared with those whose lines meet it only.
+        """
         ahead = np.array([direction[0], direction[1]])
         across = np.array([-direction[1], direction[0]])
         first, last = self.vertices, np.roll(self.vertices, -1, axis=0)
+        start, end, beside = first @ across, last @ across, points @ across
+        order = np.argsort(beside, kind="stable")
         # An end on the ray counts as above it, so that a vertex is crossed once.
-        below_first = (first @ across)[None, :] < (points @ across)[:, None]
-        below_last = (last @ across)[None, :] < (points @ across)[:, None]
-        start, end = first @ across, last @ across
-        with np.errstate(divide="ignore", invalid="ignore"):
-            share = ((points @ across)[:, None] - start) / (end - start)
-            place = first @ ahead + share * (last @ ahead - first @ ahead)
-            distance = place - (points @ ahead)[:, None]
-        crossed = (below_first != below_last) & (distance > 0.0)
-        found: Array = np.where(crossed, distance, np.inf)
-        return found
+        begin, until = (np.searchsorted(beside[order], f(start, end), side="right") for f in (np.minimum, np.maximum))
+        ends, edge = np.cumsum(until - begin), 0
+        while edge < len(first):
+            before = ends[edge - 1] if edge else 0
+            stop = max(int(np.searchsorted(ends, before + MOST_CROSSINGS, side="right")), edge + 1)
+            k = np.repeat(np.arange(edge, stop), (until - begin)[edge:stop])
+            point = order[np.arange(len(k)) - (ends - until)[k] + before]
+            share = (beside[point] - start[k]) / (end - start)[k]
+            place = (first @ ahead)[k] + share * (last @ ahead - first @ ahead)[k]
+            distance = place - (points @ ahead)[point]
+            yield point[distance > 0.0], distance[distance > 0.0]
+            edge = stop
 
 
 class Hollow(NamedTuple):

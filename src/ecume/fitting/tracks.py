@@ -4,8 +4,8 @@ scene.
 Columns are recognized by their headers: plain `x, y, t, id`, trackpy's `x, y, frame, particle`, TrackMate's
 `POSITION_X, POSITION_Y, POSITION_T or FRAME, TRACK_ID` with three more header lines, and those of `ecume export --to
 csv`. Other columns are ignored. MTrackJ's tables have TID, those of ImageJ's Manual Tracking have "Track n°",
-those of MOSAIC "Trajectory"; those of Tracker (the video program), Logger Pro, Kinovea, idtracker.ai and DeepLabCut have
-columns x and y for each object, or one object in each file.
+those of MOSAIC "Trajectory". Tables of Tracker (the video program), Logger Pro, Kinovea, idtracker.ai and DeepLabCut
+have columns x and y per object, or one object in each file.
 """
 
 from __future__ import annotations

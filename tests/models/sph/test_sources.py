@@ -2,12 +2,15 @@
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 import ecume
 from ecume.engine.outlines import OBLIQUE, Cloud, Mesh, sorted_in
 from ecume.errors import SceneError
 from ecume.models.sph.record import SPH, start
 from ecume.run import run
+from ecume.scenes.sph.solids import crossing_edges
 
 SCENE = """
 model = "sph"
@@ -220,3 +223,78 @@ def test_without_the_library_a_drawing_is_refused_with_the_way_out(tmp_path, mon
     (tmp_path / "cube.stl").write_text(stl(cube()))
     with pytest.raises(SceneError, match=r"needs trimesh, which is not installed: pip install 'ezdxf.* 'trimesh"):
         ecume.load_scene(written(tmp_path, 'outline_from = "cube.stl"', SPACE))
+
+
+@pytest.mark.parametrize("axis", [0, 1, 2])
+def test_bodies_that_touch_or_stand_twice_in_a_surface_are_one(tmp_path, axis):
+    touching = [cube(0.5), cube(0.5) + 0.5 * np.eye(3)[axis], cube(0.5)]
+    (tmp_path / "two.stl").write_text(stl(np.concatenate(touching)))
+    state, _ = liquid(written(tmp_path, 'outline_from = "two.stl"', SPACE))
+    assert state.mass.sum() == pytest.approx(250.0, rel=0.005)
+    assert len(state.mass) == 250
+
+
+def drawn(folder, add, unit=4):
+    """The outline in a drawing of these entities, and its area (m^2)."""
+    ezdxf = pytest.importorskip("ezdxf")
+    drawing = ezdxf.new()
+    drawing.units = unit
+    add(drawing)
+    drawing.saveas(folder / "outline.dxf")
+    _, scene = liquid(written(folder, 'outline_from = "outline.dxf"'))
+    corners = np.array(scene.fluid[0].vertices)
+    (x, y), (u, v) = corners.T, np.roll(corners, -1, axis=0).T
+    return corners, 0.5 * abs(float((x * v - y * u).sum()))
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_lines_and_arcs_that_meet_are_an_outline_in_any_order_and_direction(tmp_path, seed):
+    """A stadium with round ends as most programs for drawing write it, beside a center line."""
+    rng = np.random.default_rng(seed)
+    parts = [
+        lambda space, turn: space.add_line(*[(500, 500), (1000, 500)][:: 1 - 2 * turn]),
+        lambda space, turn: space.add_arc((1000, 750), 250, -90, 90),
+        lambda space, turn: space.add_line(*[(1000, 1000), (500, 1000 + 1e-5)][:: 1 - 2 * turn]),
+        lambda space, turn: space.add_arc((500, 750), 250, 90, 270),
+        lambda space, turn: space.add_line((200, 750), (1300, 750)),
+    ]
+
+    def add(drawing):
+        block = drawing.blocks.new("STADIUM")
+        for k in rng.permutation(len(parts)):
+            parts[k](block if seed % 2 else drawing.modelspace(), int(rng.integers(2)))
+        if seed % 2:
+            drawing.modelspace().add_blockref("STADIUM", (0, 0))
+
+    corners, area = drawn(tmp_path, add)
+    assert area == pytest.approx(0.25 + np.pi * 0.25**2, rel=3e-3)
+    np.testing.assert_allclose([corners.min(axis=0), corners.max(axis=0)], [[0.25, 0.5], [1.25, 1.0]], atol=1e-3)
+
+
+def test_lines_that_do_not_meet_or_branch_are_no_outline(tmp_path):
+    corners = [(0, 0), (500, 0), (500, 500), (0, 500)]
+    sides = list(zip(corners, [*corners[1:], (0, 5)], strict=True))
+    for more in ([], [((0, 5), (0, 0)), ((0, 0), (250, 250)), ((250, 250), (500, 0))]):
+        with pytest.raises(SceneError, match=r"has 0 closed outlines; .* where their ends meet"):
+            drawn(tmp_path, lambda drawing, more=more: [drawing.modelspace().add_line(*each) for each in sides + more])
+
+
+@pytest.mark.parametrize("corners", [[[0, 0], [2, 1], [2, 0], [0, 0.6]], [[0, 0], [1, 1], [1, 0], [0.5, 1.5], [0, 1]]])
+def test_a_polygon_whose_edges_cross_is_refused(tmp_path, corners):
+    with pytest.raises(SceneError, match=r"fluid\[0\].vertices: cross: edges"):
+        ecume.load_scene(written(tmp_path, f"vertices = {corners}"))
+
+
+@given(st.lists(st.tuples(st.integers(0, 9), st.integers(0, 9)), min_size=3, max_size=9, unique=True))
+def test_edges_cross_where_each_has_the_ends_of_the_other_on_both_sides(corners):
+    ends = list(zip(corners, [*corners[1:], corners[0]], strict=True))
+
+    def side(a, b, c):
+        return np.sign((b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]))
+
+    def cross(one, other):
+        return side(*one, other[0]) * side(*one, other[1]) < 0 and side(*other, one[0]) * side(*other, one[1]) < 0
+
+    expected = [(k, m) for k in range(len(ends)) for m in range(k + 1, len(ends)) if cross(ends[k], ends[m])]
+    found = crossing_edges(corners)
+    assert found in expected if expected else found is None

@@ -8,6 +8,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Annotated, Any, Literal, Self
 
+import numpy as np
 from pydantic import Field, model_validator
 
 from ecume.scenes.common import dataclass
@@ -27,7 +28,7 @@ from ecume.scenes.quantities import (
     WettingAngle,
 )
 from ecume.scenes.sph.motions import BodyMotionSpec
-from ecume.units import Length, Number
+from ecume.units import Array, Length, Number
 
 Slip = Literal["free", "no-slip"]
 
@@ -118,7 +119,38 @@ def _corner_fault(vertices: Sequence[tuple[float, ...]]) -> str:
         return f"got {len(vertices)}; {least}"
     if dimension == 2 and abs(area_of(vertices)) <= THINNEST * max(map(extent, zip(*vertices, strict=True))) ** 2:
         return "enclose no area; expected the corners of a polygon, in order"
+    if dimension == 2 and (found := crossing_edges(vertices)):
+        (x, y), (k, m) = vertices[found[0]], found
+        return f"cross: edges {k} (from {x:.6g}, {y:.6g} m) and {m} meet; expected the corners of a polygon, in order"
     return ""
+
+
+def crossing_edges(vertices: Sequence[tuple[float, ...]]) -> tuple[int, int] | None:
+    """The numbers of two edges of a polygon that cross one another, in their insides; None if it is simple. Edges are
+    sorted by x, and each is compared with those that begin before it ends.
+    """
+    first = np.array(vertices, dtype=float)
+    last = np.roll(first, -1, axis=0)
+    low, high = np.minimum(first, last), np.maximum(first, last)
+    order = np.argsort(low[:, 0], kind="stable")
+    until = np.searchsorted(low[order, 0], high[order, 0], side="left")
+    for place, end in enumerate(until):
+        mine, others = order[place], order[place + 1 : end]
+        others = others[(low[others, 1] < high[mine, 1]) & (high[others, 1] > low[mine, 1])]
+        a, b, c, d = first[mine], last[mine], first[others], last[others]
+        apart = (_side(a, b, c) * _side(a, b, d) < 0.0) & (_side(c, d, a) * _side(c, d, b) < 0.0)
+        if apart.any():
+            one, other = sorted((int(mine), int(others[np.argmax(apart)])))
+            return one, other
+    return None
+
+
+def _side(start: Array, end: Array, point: Array) -> Array:
+    """Twice the area of the triangles start, end, point, positive counterclockwise; zero within rounding."""
+    way, away = end - start, point - start
+    area = way[..., 0] * away[..., 1] - way[..., 1] * away[..., 0]
+    rounding = 1e-12 * (np.abs(way[..., 0] * away[..., 1]) + np.abs(way[..., 1] * away[..., 0]))
+    return np.where(np.abs(area) <= rounding, 0.0, area)
 
 
 @dataclass(frozen=True, kw_only=True, config=STRICT)

@@ -14,6 +14,7 @@ from collections.abc import Iterable, Mapping
 from pathlib import Path as Folder
 from typing import Any, Self
 
+import numpy as np
 from pydantic import model_validator
 
 from ecume.errors import install
@@ -248,10 +249,10 @@ def _triangles(content: bytes, unit: object) -> list[Any]:
     trimesh = _library("trimesh")
     try:
         mesh = trimesh.load_mesh(io.BytesIO(content), file_type="stl")
-        closed = bool(mesh.is_watertight)
-        if closed and not mesh.is_winding_consistent:
+        mesh.update_faces(_single(mesh.faces))
+        if not _is_closed(mesh.faces):
             trimesh.repair.fix_winding(mesh)
-        triangles = mesh.triangles
+        triangles, closed = mesh.triangles, _is_closed(mesh.faces)
     except Exception as fault:  # any exception of the library means that the file is not a surface
         raise ValueError(f"cannot be read as STL: {fault}") from None
     if not len(triangles) or not closed:
@@ -260,23 +261,92 @@ def _triangles(content: bytes, unit: object) -> list[Any]:
     return scaled
 
 
+def _single(faces: Any) -> Any:
+    """Flags of the faces (T, 3) that make the surface: of equal ones the first; none of two that face one another, as
+    where bodies touch, and none that are lines.
+    """
+    turns = np.argmin(faces, axis=1)[:, None] + np.arange(3)
+    first, one, other = np.take_along_axis(faces, turns % 3, axis=1).T
+    keys = np.column_stack([first, np.minimum(one, other), np.maximum(one, other)])
+    _, place, group = np.unique(keys, axis=0, return_index=True, return_inverse=True)
+    group, ways = group.ravel(), np.where(one < other, 1, -1)
+    faced = np.bincount(group, ways > 0) * np.bincount(group, ways < 0) > 0
+    kept = np.zeros(len(faces), bool)
+    kept[place[~faced]] = True
+    return kept & (first != one) & (one != other) & (other != first)
+
+
+def _is_closed(faces: Any) -> bool:
+    """Whether a surface has no border: each edge of a face is that of another one, in the other direction."""
+    ends = np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]])
+    ways = np.where(ends[:, 0] < ends[:, 1], 1, -1)
+    edge = np.unique(np.sort(ends, axis=1), axis=0, return_inverse=True)[1].ravel()
+    return not np.bincount(edge, ways).any()
+
+
 def _vertices(content: bytes, unit: object) -> list[list[float]]:
     """The single closed outline of a DXF drawing, with arcs as lines."""
     ezdxf = _library("ezdxf")
     try:
         drawing = _drawing(ezdxf, content)
-        paths = [_library("ezdxf.path").make_path(entity) for entity in drawing.modelspace().query(DRAWN)]
-        lines = [[(point.x, point.y) for point in each.flattening(_fine(each))] for each in paths if each.is_closed]
+        entities = _library("ezdxf.disassemble").recursive_decompose(drawing.modelspace().query(f"{DRAWN} INSERT"))
+        paths = [_library("ezdxf.path").make_path(each) for each in entities if each.dxftype() in DRAWN.split()]
+        lines = _joined([[(point.x, point.y) for point in each.flattening(_fine(each))] for each in paths if len(each)])
         meters = _library("ezdxf.units").conversion_factor(drawing.units, METERS) if drawing.units else 1.0
     except Exception as fault:  # any exception of the library means that the file is not a drawing
         raise ValueError(f"cannot be read as DXF: {type(fault).__name__}: {fault}") from None
     if len(lines) != 1:
-        raise ValueError(f"has {len(lines)} closed outlines; expected one per file")
+        ends = "; lines count as one outline where their ends meet" if not lines and paths else ""
+        raise ValueError(f"has {len(lines)} closed outlines; expected one per file{ends}")
     scale = meters if unit is None else _meters(unit)
     if len(lines[0]) < CORNERS:
         raise ValueError(f"has an outline of {len(lines[0])} points; expected at least {CORNERS}")
-    corners = lines[0][:-1] if math.dist(lines[0][0], lines[0][-1]) < 1e-9 * _size(lines[0]) else lines[0]
+    corners = lines[0][:-1] if math.dist(lines[0][0], lines[0][-1]) <= MEETING * _size(lines[0]) else lines[0]
     return [[scale * x, scale * y] for x, y in corners]
+
+
+Line = list[tuple[float, float]]
+
+
+def _joined(lines: list[Line]) -> list[Line]:
+    """The closed outlines among lines: those that are closed, and chains of others whose ends meet in pairs."""
+    if not lines:
+        return []
+    reach = MEETING * _size(list(itertools.chain.from_iterable(lines)))
+    closed = [line for line in lines if math.dist(line[0], line[-1]) <= reach]
+    parts = [line for line in lines if math.dist(line[0], line[-1]) > reach]
+    if not parts:
+        return closed
+    node = _nodes([place for line in parts for place in (line[0], line[-1])], reach)
+    met: dict[int, list[int]] = {}
+    for end, mine in enumerate(node):
+        met.setdefault(mine, []).append(end)
+    left = set(range(len(parts)))
+    for first in range(len(parts)):
+        chain, end = Line(), 2 * first
+        while end // 2 in left:
+            left.remove(end // 2)
+            line = parts[end // 2]
+            chain += (line if end % 2 == 0 else line[::-1])[1 if chain else 0 :]
+            others = [each for each in met[node[end ^ 1]] if each != end ^ 1]
+            if len(others) != 1:  # the line ends, or branches
+                break
+            if others[0] == 2 * first:
+                closed.append(chain)
+            end = others[0]
+    return closed
+
+
+def _nodes(places: Line, reach: float) -> list[int]:
+    """The number of the point at which each end is; ends within reach of one another have the same."""
+    from scipy.sparse import coo_array
+    from scipy.sparse.csgraph import connected_components
+    from scipy.spatial import cKDTree
+
+    pairs = cKDTree(places).query_pairs(reach, output_type="ndarray")
+    links = coo_array((np.ones(len(pairs)), (pairs[:, 0], pairs[:, 1])), (len(places), len(places)))
+    found: list[int] = connected_components(links, directed=False)[1].tolist()
+    return found
 
 
 def _drawing(ezdxf: Any, content: bytes) -> Any:
@@ -289,7 +359,9 @@ def _drawing(ezdxf: Any, content: bytes) -> Any:
 
 CORNERS = 3
 """The smallest number of corners of an outline."""
-DRAWN = "LWPOLYLINE POLYLINE CIRCLE ELLIPSE SPLINE"
+DRAWN = "LINE ARC LWPOLYLINE POLYLINE CIRCLE ELLIPSE SPLINE"
+MEETING = 1e-6
+"""The distance below which ends of lines meet, over the size of the drawing."""
 METERS = 6
 """The number of the unit meter in DXF."""
 FINENESS = 1e-3

@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ecume.engine.outlines import Cloud, Mesh, cylinder_of, hull_of
+from ecume.engine.outlines import Cloud, Mesh, cylinder_of, hull_of, outward
 from ecume.engine.shapes import Ball, Box, Flags, Hollow, Part, Polygon, Shape, apart, round_up
 from ecume.scenes.sph import BodySpec, ObstacleSpec, RegionSpec, ShapeSpec, SphScene, TankSpec
 from ecume.units import Array
@@ -33,7 +33,7 @@ def shape_of(spec: ShapeSpec) -> Shape:
 
 @functools.lru_cache(maxsize=16)
 def _mesh(triangles: tuple[tuple[tuple[float, ...], ...], ...]) -> Mesh:
-    return Mesh(np.array(triangles))
+    return Mesh(outward(np.array(triangles)))
 
 
 def solid_of(spec: ObstacleSpec | BodySpec, tank: TankSpec) -> Shape:
