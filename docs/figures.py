@@ -20,6 +20,7 @@ from figures_flows import FIGURES as FLOW_FIGURES
 from figures_incompressible import FIGURES as INCOMPRESSIBLE_FIGURES
 from figures_many import FIGURES as MANY_FIGURES
 from figures_packings import FIGURES as PACKING_FIGURES
+from figures_rolling import FIGURES as ROLLING_FIGURES
 from figures_shapes import FIGURES as SHAPE_FIGURES
 from figures_soft import FIGURES as SOFT_FIGURES
 from figures_sph import FIGURES as SPH_FIGURES
@@ -281,6 +282,7 @@ FIGURES: dict[str, Callable[[], Figure]] = {
     **MANY_FIGURES,
     **PACKING_FIGURES,
     **CROWD_FIGURES,
+    **ROLLING_FIGURES,
     **SHAPE_FIGURES,
     **SOFT_FIGURES,
     **FLOW_FIGURES,

@@ -110,6 +110,10 @@ def _rotation(scene: FloatingScene) -> str:
     return _whether(scene.rubs and other, "friction of discs or with added mass")
 
 
+def _rolls(scene: FloatingScene) -> str:
+    return _whether(scene.rolls, "rolling friction")
+
+
 def _overdamped_kinds(scene: FloatingScene) -> int:
     """The number of kinds of floats without inertia, each of which has another friction."""
     return len(distinct_kinds(scene)[0]) if scene.integration.integrator == "overdamped" else 0
@@ -169,6 +173,8 @@ FLOATS = (
                 "the dashpots of LAMMPS's granular contacts stay below critical damping"),
     Expressible("contacts.friction", _rotation, NONE, "friction of spheres without added mass",
                 "rotation in LAMMPS has the moment of inertia of a homogeneous sphere"),
+    Expressible("contacts.rolling_friction", _rolls, NONE, "none",
+                "rolling friction in LAMMPS is a spring and a dashpot, whose constants the scene lacks"),
 )  # fmt: skip
 """All choices of a scene that LAMMPS may lack."""
 

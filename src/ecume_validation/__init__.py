@@ -111,6 +111,7 @@ CASES: dict[str, Case] = {
             "Camphor discs: speeds and bound pairs beside closed forms, exponent of the speed beside a measured one",
             place="surfactant:surfactant_rows",
         ),
+        _case("chains", "Chains of three rough spheres: friction that keeps them bent, beside closed forms"),
         _case(
             "clusters",
             "Six small spheres: weights of rigid clusters with and without menisci, entropy production",

@@ -37,6 +37,7 @@ OPTIONS: dict[str, tuple[str, dict[str, str]]] = {
     "no contacts": ("contacts", {"contacts": 'law = "none"\n'}),
     "legacy contacts": ("contacts", {"contacts": "legacy_coefficient = 0.5\n"}),
     "friction": ("contacts", {"contacts": "friction = 0.3\n"}),
+    "rolling friction": ("contacts", {"contacts": "friction = 0.3\nrolling_friction = 0.1\n"}),
     "velocity-verlet": ("integrator", {"integration": 'integrator = "velocity-verlet"\n'}),
     "explicit-euler": ("integrator", {"integration": 'integrator = "explicit-euler"\n'}),
     "semi-implicit-euler": ("integrator", {"integration": 'integrator = "semi-implicit-euler"\n'}),
@@ -78,10 +79,13 @@ NEW = {
     ("grid", "friction"),
     ("grid", "stormer-verlet"),
     ("grid", "rk4"),
+    ("grid", "rolling friction"),
     ("dipoles", "films"),
     ("dipoles", "springs"),
     ("dipoles", "friction"),
+    ("dipoles", "rolling friction"),
     ("films", "friction"),
+    ("films", "rolling friction"),
     ("shapes", "noise"),
 }
 """Pairs that used to be refused."""

@@ -116,7 +116,7 @@ SAMPLES = {
     "lower": water_waves.Layer(3.1, 0.9), "upper": water_waves.Layer(1.2, 0.6),
     "slope": -2.5, "reach": 0.05, "density_i": 3.0, "density_j": 3.2, "rise_i": 0.05, "rise_j": 0.11, "potential": 0.7,
     "sound_speed_i": 11.5, "exponent": 7.0, "head": 0.01, "support": 1.1, "color_gradient": 3.0, "curvature": 0.9,
-    "turning": -0.4, "spread": 0.6,
+    "turning": -0.4, "spread": 0.6, "bend": 1.4, "contact_force": 0.9, "end_force": 0.3,
     "mode": 2.0, "speed": 0.8, "stokes_speed": 0.8, "inverse_viscosity": 1.6, "acceleration": 2.3,
     "wavenumber": 1.7, "time": 0.3, "dam_depth": 1.1, "downstream_depth": 0.2, "kinematic_viscosity": 0.01,
     "contact_size": 0.3, "gap": 0.02, "prefactor": 1.3, "radius_i": 0.4, "radius_j": 0.7, "modulus": 5.0,

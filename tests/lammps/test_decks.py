@@ -212,6 +212,7 @@ REFUSED = {
     "contacts.restitution": {"more": "[contacts]\nrestitution = 0.0"},
     "dish.restitution": {"more": DISH + "restitution = 0.1"},
     "contacts.friction": {"more": "[contacts]\nfriction = 0.3\n[hydrodynamics]\nadded_mass = true"},
+    "contacts.rolling_friction": {"more": "[contacts]\nfriction = 0.3\nrolling_friction = 0.1"},
 }
 COUNTED = {"particles", "integration.integrator", "flow.field"}
 """Refused by their number, or with a file: a test of their own."""

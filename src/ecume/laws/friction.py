@@ -16,7 +16,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Annotated, Any, NamedTuple
 
-from ecume.units import Energy, Force, Friction, Length, Mass, Number, Speed, Unit
+from ecume.units import Angle, Energy, Force, Friction, Length, Mass, Number, Speed, Unit
 
 SOFTLY = 0.02
 """The range of tangential forces above the limit, over the limit, in which the force on the film grows smoothly, so
@@ -201,6 +201,7 @@ FRICTIONS = {
 
 
 Impulse = Annotated[float, Unit("N*s")]
+Torque = Annotated[float, Unit("N*m")]
 Stiffness = Annotated[float, Unit("N/m")]
 
 
@@ -288,6 +289,49 @@ def restitution_itself(restitution: Number) -> Number:
     0.2
     """
     return restitution
+
+
+def effective_radius(radius_i: Length, radius_j: Length) -> Length:
+    """Effective radius R* = R_i R_j/(R_i + R_j) of a contact of two spheres; that of a sphere at a wall is its radius.
+    [ai2011].
+
+    >>> effective_radius(1.0, 1.0)
+    0.5
+    """
+    return radius_i * radius_j / (radius_i + radius_j)
+
+
+def rolling_limit(compression: Force, coefficient: Number, radius_i: Length, radius_j: Length) -> Torque:
+    """Largest couple between two spheres that roll on one another, mu_r N R*; it opposes their relative
+    spin.
+
+    N is the normal force, positive where it presses, and R* the `effective_radius`. The couple is that of the constant
+    directional torque, of this magnitude while the spheres roll; where they do not, it is the one at which they rest,
+    as in Coulomb's law. [ai2011, model A].
+
+    >>> rolling_limit(2.0, 0.1, 1.0, 1.0), rolling_limit(-2.0, 0.1, 1.0, 1.0)
+    (0.1, 0.0)
+    """
+    return coefficient * max(compression, 0.0) * effective_radius(radius_i, radius_j)
+
+
+def holding_rolling_friction(bend: Angle, contact_force: Force, end_force: Force) -> Number:
+    """Smallest coefficient of rolling friction at which a chain of three equal spheres stays bent: the sphere in the
+    middle sees the other two at the angle psi.
+
+    mu_r = 2 F_e cos(psi/2)/(F_c + F_e sin(psi/2)), F_c the attraction of two spheres in contact and F_e that of the
+    ends. The pull F_e on an end has the part T = F_e cos(psi/2) along the surface of the middle sphere and presses
+    with N = F_c + F_e sin(psi/2). The end is at rest if friction bears T, with mu >= mu_r/2, and a couple balances its
+    torque T R about the center of the end; the largest couple is mu_r N R/2, `rolling_limit`. [ai2011, model A]; the
+    chains are those of [dalbe2011].
+
+    >>> round(holding_rolling_friction(math.pi / 2, 1.0, 0.5), 6)
+    0.522408
+    >>> round(holding_rolling_friction(math.pi, 1.0, 0.5), 12)
+    0.0
+    """
+    half = 0.5 * bend
+    return 2.0 * end_force * math.cos(half) / (contact_force + end_force * math.sin(half))
 
 
 RESTITUTIONS: dict[str, Callable[[float], float]] = {

@@ -1,6 +1,6 @@
 """Effects of the keys of floats."""
 
-from . import FILES, OUTPUT, PICTURE, REFUSED, STOPS, grid, of
+from . import FILES, OUTPUT, PICTURE, REFUSED, STOPS, grid, merged, of
 
 BASE = {
     "model": "floating", "duration": 5e-4, "frame_every": 5e-4,
@@ -46,6 +46,7 @@ SHARED = {
 SIZES = {"particles": [{"sizes": {"distribution": "normal", "mean": 1e-3, "spread": 0.1}}]}
 HISTOGRAM = {"particles": [{"sizes": {"distribution": "histogram", "radii": [9e-4, 1e-3], "weights": [1.0, 1.0]}}]}
 IMPACT = {"particles": [{"velocities": [[0.0, 0.0], [-20.0, 0.5], [0.0, 0.0]]}]}
+IMPACTS = {"particles": [{"velocities": [[0.0, 0.0], [-20.0, 0.5], [2.0, -20.0]]}]}
 WALL_IMPACT = {"particles": [{"velocity": [20.0, 2.0]}], "hydrodynamics": {"drag": "stokes"}, **DISH}
 MOVED = {"dish": {"radius": 0.01, "contact_angle": 1.0, "motion": {"amplitude": 1e-3, "frequency": 2.0}}}
 FILMS = {
@@ -184,6 +185,7 @@ EFFECTS = {
     "dish.density": of(2000.0, dish={"radius": 0.01, "law": "two-point-legacy"}),
     "dish.restitution": of(0.9, **WALL_IMPACT),
     "dish.friction": of(0.5, **WALL_IMPACT),
+    "dish.rolling_friction": of(0.5, **merged(WALL_IMPACT, {"dish": {"friction": 0.5}})),
     "dish.motion.velocity": of([0.01, 0.0], **MOVED),
     "dish.motion.amplitude": of(2e-3, **MOVED),
     "dish.motion.direction": of(0.5, **MOVED),
@@ -249,6 +251,7 @@ EFFECTS = {
     ),
     "contacts.restitution": of(0.9, **IMPACT),
     "contacts.friction": of(0.5, **IMPACT),
+    "contacts.rolling_friction": of(0.5, contacts={"friction": 0.5}, **IMPACTS),
     "contacts.legacy_coefficient": of(0.8, **IMPACT),
     "contacts.law": of("none", **IMPACT),
     "contacts.stiffness": of(2.0, **SPRINGS),

@@ -82,6 +82,8 @@ def surround(dice, plain, radius, boundary):
             plain["dish"]["friction"] = 0.4
     if dice.random() < 0.15:
         plain["contacts"]["friction"] = float(dice.uniform(0.1, 0.6))
+        if dice.random() < 0.3:
+            plain["contacts"]["rolling_friction"] = float(dice.uniform(0.05, 0.5))
     elif dice.random() < 0.15:
         plain["contacts"]["law"] = str(dice.choice(["none", "spring-dashpot"]))
     plain["contacts"]["restitution"] = float(dice.choice([0.2, 0.0, 1.0, dice.uniform(0.05, 1.0)]))

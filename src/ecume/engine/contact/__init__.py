@@ -2,6 +2,7 @@
 
 `contacts` finds which bodies touch, removes overlaps and keeps impulses from step to step. `impulse_solvers` solves for
 the impulses of discs, small islands exactly where sweeps creep. `sweeps` does so for other rows: those of `friction`,
-which adds Coulomb's law, of `torque_contacts` for bodies that turn, and of `mobility_contacts` for bodies that move one
-another. `separation` removes overlaps of bodies that turn. Start reading with `impulse_solvers`.
+which adds Coulomb's law, of `rolling`, which adds rolling resistance to it, of `torque_contacts` for bodies that turn,
+and of `mobility_contacts` for bodies that move one another. `separation` removes overlaps of bodies that turn. Start
+reading with `impulse_solvers`.
 """

@@ -16,7 +16,7 @@ import numpy as np
 
 from ecume._jit import compiled, selected
 from ecume.engine.cells import Integers
-from ecume.engine.contact import friction, mobility_contacts, torque_contacts
+from ecume.engine.contact import friction, mobility_contacts, rolling, torque_contacts
 from ecume.engine.contact.friction import FrictionalContacts
 from ecume.engine.contact.impulse_solvers import (
     LEAST_FOR_ISLANDS,
@@ -26,6 +26,7 @@ from ecume.engine.contact.impulse_solvers import (
     Tolerance,
 )
 from ecume.engine.contact.mobility_contacts import CoupledContacts
+from ecume.engine.contact.rolling import RollingContacts
 from ecume.engine.contact.torque_contacts import TorqueContacts
 
 RELAXATION, LEAST_RELAXATION, STALLS = 0.7, 0.1, 8
@@ -60,6 +61,10 @@ ROWS: dict[type, RowKind] = {
     FrictionalContacts: RowKind(
         friction.start, friction.sweep, friction.residual, friction.accelerate, friction.restart, friction.square,
         friction.islands,
+    ),
+    RollingContacts: RowKind(
+        rolling.start, rolling.sweep, rolling.residual, rolling.accelerate, rolling.restart, rolling.square,
+        rolling.islands,
     ),
     TorqueContacts: RowKind(
         torque_contacts.start, torque_contacts.sweep, torque_contacts.residual, torque_contacts.accelerate,

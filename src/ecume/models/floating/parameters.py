@@ -250,7 +250,7 @@ class State(NamedTuple):
     contact_impulse: Array
     """(4 N + 16,) impulses of these contacts, from which the next solve starts"""
     friction_impulse: Array
-    """(4 N + 16,) tangential impulses; (0,) without friction"""
+    """(4 N + 16,) tangential impulses, and as many of rolling friction behind them; (0,) without friction"""
     amplitudes: Array
     """(N, 2 (order + 1)) real and imaginary parts of the multipoles, from which the next solution starts; (N, 0)
     without multipoles
@@ -292,6 +292,12 @@ class SurfactantState(NamedTuple):
 def compiled_state(state: State) -> State:
     """The part of a state that compiled code gets, with the same arrays."""
     return State._make(state[: len(State._fields)])
+
+
+@compiled
+def memory_of(state: State) -> contacts.Memory:
+    """Return the impulses of the previous step."""
+    return contacts.Memory(state.touches, state.touching, state.contact_impulse)
 
 
 class Workspace(NamedTuple):

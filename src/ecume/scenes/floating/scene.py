@@ -445,6 +445,11 @@ class FloatingScene(Common):
         return self.contacts.friction > 0.0 or (self.dish is not None and self.dish.friction > 0.0)
 
     @property
+    def rolls(self) -> bool:
+        """Whether any surface has rolling friction."""
+        return self.contacts.rolling_friction > 0.0 or (self.dish is not None and self.dish.rolling_friction > 0.0)
+
+    @property
     def sides(self) -> tuple[float, float]:
         """The sides of the periodic cell (m), as large as its area fraction requires; zero without a cell."""
         if self.cell is None:

@@ -228,6 +228,13 @@ class CellSpec:
     the area of the cell."""
 
 
+def _require_rubbing(surface: DishSpec | ContactSpec) -> None:
+    """Raise Inconsistent for rolling friction of surfaces that slide: nothing turns their floats."""
+    if surface.rolling_friction > 0.0 and surface.friction == 0.0:
+        got = f"got {surface.rolling_friction:g} without friction, so that no contact turns a float"
+        raise Inconsistent([(("rolling_friction",), f"{got}; expected friction above 0, or no rolling_friction")])
+
+
 @dataclass(frozen=True, kw_only=True, config=STRICT)
 class DishSpec:
     """A dish around the origin. A scene without one is an endless surface."""
@@ -257,6 +264,9 @@ class DishSpec:
     energy, 0 stops the normal motion."""
     friction: Roughness = 0.0
     """The Coulomb friction coefficient at the wall. Effect: above 0 floats rotate when they slide along the wall."""
+    rolling_friction: Roughness = 0.0
+    """The coefficient of rolling friction at the wall, which needs `friction`: the couple is at most this times the
+    normal force times the radius of the float. Effect: floats that roll along the wall stop."""
     motion: DishMotionSpec | None = None
     """The motion of the dish. Effect: inertial forces and drag act on the floats."""
 
@@ -265,6 +275,7 @@ class DishSpec:
         if (self.radius is None) == (self.size is None):
             got = "neither" if self.radius is None else "both"
             raise Inconsistent([((), f"expected either radius or size; got {got}")])
+        _require_rubbing(self)
         return self
 
 
@@ -478,6 +489,10 @@ class ContactSpec:
     friction: Roughness = 0.0
     """The Coulomb friction coefficient between two floats, which limits the tangential impulse of a contact. Effect:
     above 0 floats rotate."""
+    rolling_friction: Roughness = 0.0
+    """The coefficient of rolling friction between two floats, which needs `friction`: the couple on each is at most
+    this times the normal force times R_i R_j/(R_i + R_j). Example: `0.1`. Effect: chains stay bent instead of closing
+    to triangles."""
     legacy_coefficient: Proportion | None = None
     """The coefficient C of the original program, with the restitution 2C - 1; takes precedence over `restitution`;
     in `legacy-2022` by default 0.3. Example: `0.7`. Effect: below 0.5 floats lose more than their approach
@@ -488,6 +503,11 @@ class ContactSpec:
     stiffness: Springiness | None = None
     """The stiffness of the springs (N/m); by default the value for an indentation of a thousandth of a radius.
     Effect: stiffer springs need shorter time steps."""
+
+    @model_validator(mode="after")
+    def _rubs(self) -> Self:
+        _require_rubbing(self)
+        return self
 
 
 @dataclass(frozen=True, kw_only=True, config=STRICT)

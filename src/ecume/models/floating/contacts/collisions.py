@@ -24,11 +24,20 @@ from ecume._jit import compiled, compiled_inside, selected
 from ecume.engine.contact import contacts as touching
 from ecume.engine.contact import friction as coulomb
 from ecume.engine.contact import impulse_solvers, sweeps
-from ecume.engine.contact.contacts import Bodies, Contacts, Memory
+from ecume.engine.contact.contacts import Bodies, Contacts
 from ecume.engine.contact.friction import FrictionalContacts, FrictionRows, Motion
 from ecume.engine.contact.impulse_solvers import Tolerance
 from ecume.engine.contact.torque_contacts import TorqueContacts
 from ecume.laws import drag, flotation
+from ecume.models.floating.contacts.rolling import (
+    BrownianRollingFriction,
+    RollingFriction,
+    continue_with_rolling,
+    push_with_rolling,
+    recall_rolling,
+    remember_rolling,
+    stop_with_rolling,
+)
 from ecume.models.floating.contacts.thermal_collisions import Flow, collide_on_paths, require_distances
 from ecume.models.floating.options import Built
 from ecume.models.floating.parameters import (
@@ -42,6 +51,7 @@ from ecume.models.floating.parameters import (
     Workspace,
     add_rows,
     copy_rows,
+    memory_of,
 )
 from ecume.models.floating.setup.kinds import FloatKind, distinct_kinds, turning_frictions
 from ecume.units import Array
@@ -69,6 +79,10 @@ class BrownianFriction(Friction):
     """The same of Brownian floats."""
 
 
+BROWNIAN: dict[type, type] = {Friction: BrownianFriction, RollingFriction: BrownianRollingFriction}
+"""The types of the parts of Brownian floats, whose collisions take much code."""
+
+
 class FrictionScratch(NamedTuple):
     """Workspace of contacts with friction."""
 
@@ -85,12 +99,6 @@ def make_friction_scratch(
     """Return a workspace for as many contacts as the common workspace holds."""
     count = len(parameters.kick.mobility)
     return FrictionScratch(coulomb.make_friction_rows(len(workspace.contacts.gap)), np.zeros(count), np.zeros(count))
-
-
-@compiled
-def memory_of(state: State) -> Memory:
-    """Return the impulses of the previous step."""
-    return Memory(state.touches, state.touching, state.contact_impulse)
 
 
 @compiled
@@ -179,14 +187,21 @@ def friction_of(parameters: Parameters, scene: FloatingScene, interactions: tupl
     return Built(Friction(coefficients, inertia, friction, friction))
 
 
-def friction_at_step(part: Friction, parameters: Parameters, turned: Array | None) -> Friction:
+def rolling_of(parameters: Parameters, scene: FloatingScene, interactions: tuple[Any, ...]) -> Built:
+    """The part of contacts with friction and rolling resistance."""
+    rolling = scene.contacts.rolling_friction, scene.dish.rolling_friction if scene.dish is not None else 0.0
+    part: Friction = friction_of(parameters, scene, interactions).part
+    return Built(RollingFriction(**part._asdict(), rolling=rolling))
+
+
+def friction_at_step(part: Friction | RollingFriction, parameters: Parameters, turned: Array | None) -> Any:
     """Return the part with the constants of its spin kicks. If interactions also turn the floats, they include the
     drag.
     """
     friction = part.decay if turned is None else np.zeros_like(part.decay)
     decay, spin_mobility = spin_kick(parameters, part.inertia, friction)
     walls = np.zeros(len(parameters.kick.mobility) - len(spin_mobility))
-    kind = BrownianFriction if parameters.drift.thermal > 0.0 else Friction
+    kind = BROWNIAN[type(part)] if parameters.drift.thermal > 0.0 else type(part)
     return kind(*part._replace(decay=decay, spin_mobility=np.concatenate([spin_mobility, walls])))
 
 
@@ -416,11 +431,22 @@ ROUGH = Solver(
     load_friction_spins,
     store_friction_spins,
 )
+ROLLING = Solver(
+    stop_with_rolling,
+    push_with_rolling,
+    continue_with_rolling,
+    recall_rolling,
+    remember_rolling,
+    load_friction_spins,
+    store_friction_spins,
+)
 SOLVERS: dict[type, Solver] = {
     Impulses: SMOOTH,
     BrownianImpulses: SMOOTH._replace(collide_by_noise=collide_smoothly),
     Friction: ROUGH,
     BrownianFriction: ROUGH._replace(collide_by_noise=collide_together),
+    RollingFriction: ROLLING,
+    BrownianRollingFriction: ROLLING._replace(collide_by_noise=collide_together),
 }
 """The solvers by type of the part."""
 

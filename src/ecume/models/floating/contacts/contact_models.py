@@ -20,7 +20,7 @@ from ecume._jit import admit, selected
 from ecume._tables import by_constants
 from ecume.laws import friction
 from ecume.models.floating.contacts.collisions import (
-    BrownianFriction,
+    BROWNIAN,
     BrownianImpulses,
     Friction,
     Impulses,
@@ -30,8 +30,10 @@ from ecume.models.floating.contacts.collisions import (
     friction_of,
     impulses_at_step,
     make_friction_scratch,
+    rolling_of,
     separate,
 )
+from ecume.models.floating.contacts.rolling import RollingFriction, make_rolling_scratch
 from ecume.models.floating.coupled.many_floats import GridImpulses, collide_on_grid
 from ecume.models.floating.coupled.mobility import (
     CoupledImpulses,
@@ -86,6 +88,13 @@ def shared_scratch(part: Any, parameters: Parameters, state: State, workspace: W
     return moving
 
 
+def rolling_scratch(
+    part: RollingFriction, parameters: Parameters, state: State, workspace: Workspace, moving: Any
+) -> Any:
+    """Return the workspace for tangential impulses, couples and spins."""
+    return make_rolling_scratch(part, parameters, state, workspace)
+
+
 def unchanged_state(state: State) -> State:
     """Return the state unchanged."""
     return state
@@ -94,6 +103,11 @@ def unchanged_state(state: State) -> State:
 def with_friction_impulses(state: State) -> State:
     """Return the state with an array of tangential impulses."""
     return state._replace(friction_impulse=np.zeros(len(state.contact_impulse)))
+
+
+def with_rolling_impulses(state: State) -> State:
+    """Return the state with an array of tangential impulses and of those of rolling friction."""
+    return state._replace(friction_impulse=np.zeros(2 * len(state.contact_impulse)))
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -202,6 +216,14 @@ CONTACTS = {
     ),
 }  # fmt: skip
 """The contact models by name."""
+CONTACTS["rolling friction"] = replace(
+    CONTACTS["friction"], path="contacts.rolling_friction", name="rolling friction", constants=RollingFriction,
+    make=rolling_of, scratch=rolling_scratch, state=with_rolling_impulses,
+    needs={
+        **CONTACTS["friction"].needs, "single drag": "the couple of a contact turns neighbors through the liquid, too",
+    },
+    laws=(friction.impulse, friction.rolling_limit),
+)  # fmt: skip
 CONTACTS["coupled on a grid"] = replace(
     CONTACTS["coupled"], constants=GridImpulses, before_drift=collide_on_grid, state=unchanged_state,
     make=_simple(GridImpulses()),
@@ -213,7 +235,7 @@ OF_THE_CHOICE = frozenset({"name", "path", "make", "gives", "needs", "laws"})
 BY_CONSTANTS = by_constants(CONTACTS.values(), OF_THE_CHOICE)
 BY_CONSTANTS |= {
     kind: replace(BY_CONSTANTS[still], constants=kind)
-    for kind, still in ((BrownianImpulses, Impulses), (BrownianFriction, Friction))
+    for still, kind in (BROWNIAN | {Impulses: BrownianImpulses}).items()
 }
 
 

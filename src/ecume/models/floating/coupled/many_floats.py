@@ -33,7 +33,7 @@ from ecume.engine.linear_solvers.lanczos import root_by_products
 from ecume.laws import ewald, pair_mobility
 from ecume.laws.ewald import smooth_curvature, smooth_flow, spline_correction
 from ecume.laws.pair_mobility import rotne_prager
-from ecume.models.floating.contacts.collisions import clear_impulses, memory_of
+from ecume.models.floating.contacts.collisions import clear_impulses
 from ecume.models.floating.contacts.thermal_collisions import collide_on_paths, require_distances
 from ecume.models.floating.coupled.mobility import (
     CoupledKicks,
@@ -49,7 +49,17 @@ from ecume.models.floating.coupled.mobility import (
     store_driven,
     store_velocities,
 )
-from ecume.models.floating.parameters import DRIVEN, SWEEPS, UNCONVERGED, Parameters, Parts, Scratch, State, Workspace
+from ecume.models.floating.parameters import (
+    DRIVEN,
+    SWEEPS,
+    UNCONVERGED,
+    Parameters,
+    Parts,
+    Scratch,
+    State,
+    Workspace,
+    memory_of,
+)
 from ecume.units import Array
 
 admit(pair_mobility, ewald)

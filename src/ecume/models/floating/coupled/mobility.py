@@ -43,7 +43,6 @@ from ecume.models.floating.contacts.collisions import (
     contact_bodies,
     friction_of,
     goal_of,
-    memory_of,
     require_gaps,
 )
 from ecume.models.floating.contacts.thermal_collisions import Flow, collide_on_paths, require_distances
@@ -68,6 +67,7 @@ from ecume.models.floating.parameters import (
     Scratch,
     State,
     Workspace,
+    memory_of,
 )
 from ecume.models.liquids import liquid_of
 from ecume.units import Array

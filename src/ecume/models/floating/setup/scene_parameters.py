@@ -282,7 +282,7 @@ def chosen_by(scene: FloatingScene) -> Chosen:
     requested = CONTACTS[touching]
     # Without contacts between floats, those with the walls of a dish remain.
     solved = "impulse" if touching == "none" and scene.dish is not None else touching
-    plain = names == ["superposition"] and not films and requested is not CONTACTS["friction"]
+    plain = names == ["superposition"] and not films and "no spins" in requested.gives
     return Chosen(
         integrator=integrator,
         interactions=tuple(INTERACTIONS[name] for name in names),
@@ -307,7 +307,7 @@ def _contacts_of(scene: FloatingScene) -> str:
             "contacts.law = 'impulse', without a legacy coefficient"
         )  # fmt: skip
     if law == "impulse":
-        return "friction" if scene.rubs else "legacy" if legacy else "impulse"
+        return ("rolling friction" if scene.rolls else "friction") if scene.rubs else "legacy" if legacy else "impulse"
     return law
 
 
