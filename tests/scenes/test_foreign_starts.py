@@ -498,3 +498,18 @@ def test_a_box_around_the_origin_fills_a_periodic_tank(tmp_path: Path, up: str, 
     wrong = bounds.replace(f"{-0.5 * counts[-1]} {0.5 * counts[-1]}\n", longer)
     (tmp_path / "box.dump").write_text(f"{head.replace(bounds, wrong)}ITEM: ATOMS {columns}\n{rows}")
     assert "the periodic box of box.dump is" in faults(tmp_path, text)[0]
+
+
+def test_a_mass_per_depth_is_of_liquid_in_two_dimensions_only(folder: Path) -> None:
+    text = LATTICE.format(
+        up="y",
+        start='start_from = { file = "start.gsd", length_unit = "1 mm", mass_unit = "1 mg/mm" }',
+        low=[-0.01, -0.01],
+        high=[0.02, 0.02],
+        sides="",
+    )
+    masses = [region.particles.masses for region in loaded(folder, text).fluid]  # type: ignore[union-attr]
+    assert np.allclose(np.concatenate(masses), [2.5e-3, 2.5e-3, 3e-3])
+    assert faults(
+        folder, TRACERS.format(file="start.gsd", height="").replace('"1 s" }', '"1 s", mass_unit = "1 kg/m" }')
+    ) == ["start_from.mass_unit: got a mass per length; expected a mass as in '1 mg', of spheres"]

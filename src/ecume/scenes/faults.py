@@ -189,11 +189,29 @@ SYNONYMS: dict[str, tuple[str, ...]] = {
 }
 """Other words for keys whose spelling is too different to be recognized."""
 MOVED = "bodies.motion: a solid that moves is one of [[bodies]], with a path instead of a density"
+PATH_WORDS = (
+    "motion",
+    "velocity",
+    "speed",
+    "spin",
+    "rotation",
+    "angular_velocity",
+    "angle_amplitude",
+    "angles",
+    "pivot",
+)
+"""Words for the path of a solid, which users expect in other tables than that of bodies."""
+TURNED = "vertices: a solid at an angle is given by its corners, or by a drawing in outline_from"
 ELSEWHERE = {
-    "obstacles.velocity": MOVED,
-    "obstacles.motion": MOVED,
-    "tank.motion": MOVED,
-    "base_excitation.rotation": MOVED,
+    **{f"obstacles.{word}": MOVED for word in PATH_WORDS},
+    **{f"tank.{word}": MOVED for word in (*PATH_WORDS, "angle", "roll", "tilt")},
+    **{f"base_excitation.{word}": MOVED for word in (*PATH_WORDS, "angle", "roll", "tilt")},
+    **{
+        f"{table}.{word}": TURNED
+        for table in ("obstacles", "bodies", "fluid")
+        for word in ("angle", "tilt", "orientation")
+    },
+    **{f"bodies.{word}": "bodies.motion" for word in ("rotation", "angle_amplitude", "angles", "pivot")},
     "liquid.gravity": "gravity, at the top of the scene",
     "liquid.flow": "the table [flow]",
     "liquid.shear_rate": "flow.shear_rate",

@@ -26,13 +26,13 @@ from pydantic import Field, TypeAdapter, ValidationError
 from ecume.errors import BadInput
 from ecume.scenes.common import dataclass
 from ecume.scenes.faults import Complaints, Inconsistent, Path, echo, faults_of, suggestion
-from ecume.scenes.quantities import STRICT, Duration, Name, Size, sides_along
+from ecume.scenes.quantities import STRICT, BodyMass, Duration, InPlane, Name, Size, sides_along
 from ecume.scenes.tables import COMPRESSED, MOST_BYTES, beside, lines_of, require_there, table_text, text_of
 from ecume.trajectories.foreign import series
 from ecume.trajectories.foreign.particles import FileFault, Particles
 from ecume.trajectories.foreign.series import Series
 from ecume.trajectories.frame import Frame, omitted_from
-from ecume.units import Mass, Unit
+from ecume.units import Unit
 
 RUN, TABLE = "start_from", "particles_from"
 PLACES = {"x": "m", "y": "m", "z": "m", "radius": "m", "name": ""}
@@ -67,9 +67,9 @@ class StartSpec:
     time_unit: Duration | None = None
     """The unit of time of the file (s); without it velocities are ignored. Effect: velocities are proportional to
     the unit of length divided by it."""
-    mass_unit: Annotated[Mass, Field(gt=0.0, le=1e15)] | None = None
-    """The unit of mass of the file (kg); without it masses and densities are ignored. Effect: scales masses and
-    densities."""
+    mass_unit: BodyMass | None = None
+    """The unit of mass of the file (kg; also kg/m for a tank in 2D); without it masses and densities are ignored.
+    Effect: scales masses and densities."""
     species: dict[Name, Name] = dataclasses.field(default_factory=dict)
     """The species of the scene for each type of the file; by default the one of the same name, or, of types that are
     numbers, the one at this place. Example: `{ A = "small", B = "large" }`. Effect: determines the species of each
@@ -94,6 +94,8 @@ class Start(NamedTuple):
     """the key of the scene that names it"""
     without_z: bool = False
     """whether the positions have two coordinates only"""
+    in_plane: bool = False
+    """whether masses are per depth (kg/m), as in tanks in 2D"""
 
 
 def is_run(value: object) -> bool:
@@ -110,7 +112,8 @@ def opened(value: object, folder: Folder) -> tuple[Start | None, Complaints]:
     except ValidationError as error:
         return None, [((RUN, *path), message) for path, message in faults_of(error, StartSpec, value)]
     try:
-        return Start(_in_si(_read(spec, folder), spec), spec.file, spec.species, {}, "; check length_unit"), []
+        particles, in_plane = _in_si(_read(spec, folder), spec), isinstance(spec.mass_unit, InPlane)
+        return Start(particles, spec.file, spec.species, {}, "; check length_unit", in_plane=in_plane), []
     except FileFault as fault:
         return None, [((RUN, "file"), f"{spec.file}, {fault}")]
     except ValueError as fault:
@@ -216,7 +219,7 @@ def _in_si(found: Particles, spec: StartSpec) -> Particles:
         velocity=_times(found.velocity, length / spec.time_unit if spec.time_unit else None),
         diameter=_times(found.diameter, length),
         mass=_times(found.mass, mass),
-        density=_times(found.density, mass / length**3 if mass else None),
+        density=_times(found.density, mass / length ** (2 if isinstance(mass, InPlane) else 3) if mass else None),
         sides=None if found.sides is None else (x * length, y * length, z * length),
         tilt=length * found.tilt,
         instant=None if found.instant is None else found.instant * (spec.time_unit or 1.0),
@@ -484,6 +487,7 @@ def filled(raw: dict[str, Any], start: Start) -> None:
     """Insert positions into the species of a scene of soft spheres or tracers. Raises Inconsistent."""
     dimensions = dimensions_of(raw, start.particles)
     require_dimensions(start, dimensions)
+    require_masses_of_spheres(start)
     require_box(raw, start, dimensions)
     start = in_tank(start, periods_of(raw))
     tables, species, faults = tables_of(raw), [], []
@@ -543,9 +547,16 @@ def _take_radius(one: Species, start: Start) -> Complaints:
     return []
 
 
+def require_masses_of_spheres(start: Start) -> None:
+    """Raise Inconsistent where the unit of mass is one of 2D; particles other than liquid are spheres in 2D, too."""
+    if start.in_plane:
+        raise Inconsistent([((RUN, "mass_unit"), "got a mass per length; expected a mass as in '1 mg', of spheres")])
+
+
 def float_rows(raw: dict[str, Any], start: Start) -> tuple[list[dict[str, Any]], list[str]]:
     """The rows of a scene of floats, and the origin of each. Raises Inconsistent."""
     require_dimensions(start, 2)
+    require_masses_of_spheres(start)
     require_box(raw, start, 2)
     found = [one._replace(density=_densities(one, start.particles)) for one in matched(start, tables_of(raw))]
     faults: Complaints = []
@@ -593,6 +604,8 @@ def regions(raw: dict[str, Any], start: Start) -> list[dict[str, Any]]:
     """The regions of a tank, one per type of the file. Raises Inconsistent."""
     dimensions = dimensions_of(raw, start.particles)
     require_dimensions(start, dimensions)
+    if start.in_plane and dimensions == 3:
+        raise Inconsistent([((RUN, "mass_unit"), "has the unit of another dimension; expected kg in 3D")])
     start = in_tank(start, periods_of(raw))
     particles, found = start.particles, []
     for kind in sorted(set(particles.kind.tolist())):

@@ -216,6 +216,12 @@ def lines_of(text: str, known: Mapping[str, str] = COLUMNS, required: Sequence[s
     return lines
 
 
+def names_of(text: str) -> set[str]:
+    """The names of the columns of a table, as far as they can be read. Raises TableFaults for cells that cannot."""
+    _, head = next(_cells(text, _delimiter(text)), (1, []))
+    return {match[1] for match in map(HEAD.fullmatch, (cell[:200] for cell in head)) if match}
+
+
 def _delimiter(text: str) -> str:
     """The separator of columns: the most frequent one in the head."""
     first = next((line for line in text.splitlines() if line.strip() and not line.startswith("#")), "")

@@ -298,3 +298,40 @@ def test_edges_cross_where_each_has_the_ends_of_the_other_on_both_sides(corners)
     expected = [(k, m) for k in range(len(ends)) for m in range(k + 1, len(ends)) if cross(ends[k], ends[m])]
     found = crossing_edges(corners)
     assert found in expected if expected else found is None
+
+
+@pytest.mark.parametrize(("unit", "factor"), [("kg/m", 1.0), ("g/cm", 0.1), ("mg/mm", 1e-3)])
+def test_masses_of_a_table_in_2d_are_per_depth(tmp_path, unit, factor):
+    (tmp_path / "drop.csv").write_text(f"x,y,mass [{unit}]\n0.5,0.5,9\n0.6,0.5,8\n")
+    state, _ = liquid(written(tmp_path, 'particles_from = "drop.csv"'))
+    assert state.mass == pytest.approx(factor * np.array([9.0, 8.0]))
+
+
+def test_a_mass_in_the_unit_of_the_other_dimension_is_refused(tmp_path):
+    (tmp_path / "drop.csv").write_text("x,y,mass [kg]\n0.5,0.5,9\n")
+    with pytest.raises(SceneError, match=r"'kg' measures mass, expected mass / length"):
+        ecume.load_scene(written(tmp_path, 'particles_from = "drop.csv"'))
+    (tmp_path / "drop.csv").write_text("x,y,z,mass [kg/m]\n0.5,0.5,0.5,9\n")
+    with pytest.raises(SceneError, match="'kg/m' measures mass / length, expected mass"):
+        ecume.load_scene(written(tmp_path, 'particles_from = "drop.csv"', SPACE))
+
+
+@pytest.mark.parametrize(
+    ("table", "key", "says"),
+    [
+        ("bodies", "angle", "vertices"),
+        ("obstacles", "tilt", "vertices"),
+        ("obstacles", "spin", r"bodies\.motion"),
+        ("tank", "pivot", r"bodies\.motion"),
+        ("base_excitation", "angle_amplitude", r"bodies\.motion"),
+        ("bodies", "angles", r"bodies\.motion"),
+    ],
+)
+def test_a_key_of_motions_in_another_table_is_answered_with_its_place(tmp_path, table, key, says):
+    scene = written(tmp_path, "low = [0.0, 0.0]\nhigh = [0.5, 1.0]")
+    text = scene.read_text()
+    block = {"base_excitation": "[base_excitation]", "tank": "[tank]"}.get(table, f"[[{table}]]")
+    text = text.replace(block, f"{block}\n{key} = 1") if block in text else f"{text}{block}\n{key} = 1\n"
+    scene.write_text(text)
+    with pytest.raises(SceneError, match=rf"{key}: no such key; did you mean {says}"):
+        ecume.load_scene(scene)

@@ -21,7 +21,7 @@ from ecume.errors import install
 from ecume.scenes.common import dataclass
 from ecume.scenes.faults import Complaints, Inconsistent, Path, echo
 from ecume.scenes.quantities import BODY_MASS, FARTHEST, STRICT, BodyMass, Motion, Place, PositiveDensity, sides_along
-from ecume.scenes.tables import MOST_BYTES, beside, bytes_of, followed, lines_of, require_there, table_text
+from ecume.scenes.tables import MOST_BYTES, beside, bytes_of, followed, lines_of, names_of, require_there, table_text
 
 
 @dataclass(frozen=True, kw_only=True, config=STRICT)
@@ -77,7 +77,7 @@ LIQUID_COLUMNS = {
     "density": "kg/m^3",
     "mass": "kg",
 }
-"""The columns of a table of liquid, and their SI units."""
+"""The columns of a table of liquid, and their SI units in 3D."""
 MOST_MESH_BYTES = 256 * 2**20
 AXES = "xyz"
 
@@ -149,7 +149,9 @@ def _there(folder: Folder, name: str) -> Folder:
 
 def _particles_from(region: dict[str, Any], name: str, folder: Folder) -> None:
     """Read one particle per line."""
-    lines = lines_of(table_text(_there(folder, name), MOST_BYTES), LIQUID_COLUMNS)
+    text = table_text(_there(folder, name), MOST_BYTES)
+    known = LIQUID_COLUMNS if "z" in names_of(text) else {**LIQUID_COLUMNS, "mass": BODY_MASS.plane}
+    lines = lines_of(text, known)
     columns = [key for key in LIQUID_COLUMNS if key in lines[0].values]
     region["particles"] = particles_of({key: [line.values[key] for line in lines] for key in columns})
 
