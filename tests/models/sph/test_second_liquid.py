@@ -289,6 +289,12 @@ def test_check_reports_the_tension_of_the_interface_only():
     assert float(rows[1]["Bond number"][0]) == pytest.approx((998.2 - 789.5) * 0.5**2 / 0.02, rel=0.01)
 
 
+def test_check_warns_of_a_lattice_that_resists_shear():
+    for jitter, warns in ((0.0, True), (0.2, False)):
+        rows = [row[0] for row in SPH.summary(stacked(2.0, deep=8, method={"jitter": jitter}))]
+        assert ("particles at the start" in rows) == warns
+
+
 def test_half_a_run_and_its_other_half_make_the_whole():
     scene = stacked(5.0, deep=8, method={"jitter": 0.1})
     parameters = SPH.parameters(scene)
@@ -353,3 +359,25 @@ def test_walls_repel_what_the_faster_sound_allows(dense_first):
     parameters = SPH.parameters(scene)
     fastest = max(each.sound_speed for each in parameters.materials)
     assert speed_of(parameters) == FASTEST * fastest == pytest.approx(FASTEST * 10.0 * np.sqrt(2.0 * 100.0))
+
+
+@pytest.mark.parametrize("ratio", [2.0, 1000.0])
+def test_stacked_liquids_start_balanced_in_3d(ratio):
+    spacing, wide = 1.0 / 8.0, 5.0 / 8.0
+    tank = {"high": [wide, 1.0, wide], "left": PERIODIC, "right": PERIODIC, "front": PERIODIC, "back": PERIODIC}
+    layers = [
+        {"low": [0.0, y, 0.0], "high": [wide, y + 0.5, wide], "liquid": name}
+        for y, name in ((0.0, "first"), (0.5, "second"))
+    ]
+    scene = from_plain(
+        {
+            "model": "sph", "duration": 1.0, "frame_every": 0.1, "spacing": spacing, "gravity": [0.0, -1.0, 0.0],
+            "liquid": {"density": 1.0}, "second_liquid": {"density": 1.0 / ratio}, "tank": tank, "fluid": layers,
+            "method": CALM,
+        }
+    )  # fmt: skip
+    parameters, state, workspace = at_start(scene)
+    evaluate_accelerations(parameters, state, workspace, parameters.time_step)
+    assert np.abs(state.acceleration).max() < 0.2
+    evaluate_density_rate(parameters, state, workspace)
+    assert not state.density_rate.any()
