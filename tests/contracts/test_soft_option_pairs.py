@@ -75,6 +75,7 @@ OPTIONS = {
     "walls that move": merged(WALLS, {"walls": [{}, {"velocity": [0.05, 0.0]}]}),
     "walls that yield": merged(WALLS, {"walls": [{}, {"pressure": 2e-3, "shear_stress": 1e-3}]}),
     "walls with a modulus": merged(WALLS, {"walls": [{"modulus": 2.0}, {"modulus": 2.0}]}),
+    "rough walls": merged(WALLS, {"glued": "bottom"}),
     "permeation": merged(
         WALLS,
         {"walls": [{"drained": False}, {"drained": True, "pressure": 2e-3}], "permeation": {"layer_height": 2.0}},
@@ -96,7 +97,7 @@ def plain_of(one, other):
     """The scene of two options: four spheres close together."""
     asked = copy.deepcopy(merged(OPTIONS[one], OPTIONS[other]))
     dimensions, boxed, gravity = asked.pop("dimensions", 2), "cell" in asked, asked.pop("gravity", 0.0)
-    torque = asked.pop("torque", 0.0)
+    torque, glued = asked.pop("torque", 0.0), asked.pop("glued", None)
     deep = dimensions - 2
     spheres = [
         {"radius": radius, "modulus": modulus, "density": 2000.0, "force": [*pull, *[0.0] * deep],
@@ -106,6 +107,8 @@ def plain_of(one, other):
     for sign, species in zip((1.0, -1.0), spheres, strict=True):
         if torque:
             species["torque"] = [sign * torque] if dimensions == 2 else [0.0, 0.0, sign * torque]
+    if glued:
+        spheres[0]["glued"] = glued
     if boxed:
         asked["cell"] = {"size": [*BOX["cell"]["size"], *[2.3] * deep]}
     for wall in asked.get("walls", []):

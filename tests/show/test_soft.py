@@ -3,6 +3,7 @@
 import contextlib
 import dataclasses
 import math
+import re
 
 import numpy as np
 import pytest
@@ -26,9 +27,9 @@ from ecume.trajectories.frame import Frame
 
 OF_BOXES = (
     "stress", "viscosity", "nonaffine", "steady-state", "flow-curve", "viscous-number", "normal-stresses",
-    "viscosity-fraction", "creep", "moduli", "large-oscillation",
+    "viscosity-fraction", "creep", "moduli", "large-oscillation", "start-up", "relaxation", "recovery",
 )  # fmt: skip
-OF_PROTOCOLS = ("creep", "moduli", "large-oscillation")
+OF_PROTOCOLS = ("creep", "moduli", "large-oscillation", "start-up", "relaxation", "recovery")
 UNITS = {"gap": "m", "tension": "N", "elastic_energy": "J"}
 
 
@@ -150,6 +151,36 @@ def test_loops_of_large_oscillations_have_their_third_harmonic(boxed):
     expected = [25.0 * a**2 / (1.0 + 75.0 * a**2) for a in sizes.values()]
     assert elastic.get_ydata() == pytest.approx(expected, rel=1e-6)
     drawn.canvas.draw()
+
+
+def test_transients_are_found_in_the_protocol_and_drawn_with_their_numbers(boxed):
+    """A flow at 1/s up to 4 s whose stress peaks at a strain of 1, a rest up to 8 s, a creep up to 12 s, a recovery."""
+    scene, (first, *_) = boxed
+    protocol = (
+        StageSpec(time=0.0, shear_rate=1.0), StageSpec(time=4.0, shear_rate=0.0), StageSpec(time=8.0, shear_stress=0.2),
+        StageSpec(time=12.0, shear_stress=0.0),
+    )  # fmt: skip
+    scene = dataclasses.replace(scene, duration=16.0, protocol=protocol)
+    noise = np.random.default_rng(2)
+
+    def at(time):
+        rise, rest, back = min(time, 4.0), max(time - 4.0, 0.0), max(time - 12.0, 0.0)
+        stress = 1.0 + 2.0 * rise * math.exp(-rise) - math.exp(-9.0 * rise) + 1e-3 * noise.normal()
+        strain = rise + 0.5 * min(max(time - 8.0, 0.0), 4.0) - 0.6 * (1.0 - 2.0 ** (-4.0 * back))
+        stress *= 0.25 + 0.75 * 2.0 ** (-8.0 * rest)
+        return first._replace(time=time, numbers=first.numbers | {"strain": strain, "shear_stress": stress})
+
+    frames = [at(time) for time in np.linspace(0.0, 16.0, 641)]
+    texts = {}
+    for name in ("start-up", "relaxation", "recovery"):
+        drawn = SOFT_FIGURES[name](frames, scene)
+        (label,) = [text.get_text() for text in drawn.axes[0].get_legend().get_texts()]
+        texts[name] = label
+        drawn.canvas.draw()
+    (peak,) = [line for line in SOFT_FIGURES["start-up"](frames, scene).axes[0].lines if line.get_marker() == "o"]
+    assert peak.get_xdata()[0] == pytest.approx(1.0, abs=0.1)
+    assert re.search(r"after 1 /s: 25 % left, half in 0\.1[23] s", texts["relaxation"])
+    assert texts["recovery"] == "30 % of a strain of 2"
 
 
 STEPS = {0.02: 0.14, 0.1: 0.3, 0.5: 1.1, 2.5: 5.1}

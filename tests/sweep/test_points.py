@@ -6,8 +6,10 @@ import numpy as np
 import pytest
 
 from ecume.errors import BadInput, SceneError
+from ecume.scenes.schema import from_plain
+from ecume.scenes.soft import first_fraction, sides_of
 from ecume.scenes.templates import sweep_templates
-from ecume.sweep.directory import open_or_create, require_laws
+from ecume.sweep.directory import json_at, open_or_create, require_laws
 from ecume.sweep.executors import write_array
 from ecume.sweep.results import _unit_in
 from ecume.sweep.spec import READER, load_sweep, points_of, varied
@@ -191,3 +193,40 @@ def test_templates_are_sweeps(tmp_path, name):
 )
 def test_the_unit_of_a_value_is_what_follows_the_number(value, unit):
     assert _unit_in(value) == unit
+
+
+SIZED = """
+template = "sheared-packing"
+sizes = [1, 4]
+[fixed]
+"particles[0].count" = 8
+"particles[1].count" = 4
+[[axes]]
+key = "liquid.viscosity"
+values = [1.0, 2.0]
+"""
+
+
+def test_sizes_repeat_each_point_with_as_many_times_the_particles_at_the_same_volume_fraction(tmp_path):
+    (tmp_path / "s.toml").write_text(SIZED)
+    sweeping = open_or_create(tmp_path / "s.toml", tmp_path / "sweep")
+    scenes = [from_plain(json_at(job.asked, dict)["scene"]) for job in sweeping.jobs]
+    assert [[one.count for one in scene.particles] for scene in scenes] == [[8, 4], [32, 16]] * 2
+    assert [job.values["size_factor"] for job in sweeping.jobs] == [1, 4, 1, 4]
+    assert len({first_fraction(scene) for scene in scenes}) == 1
+    assert np.prod(sides_of(scenes[1])) == pytest.approx(4.0 * np.prod(sides_of(scenes[0])))
+
+
+@pytest.mark.parametrize(
+    ("text", "says"),
+    [
+        ('template = "dam-break"\nsizes = [1, 2]', "those of a periodic cell"),
+        ('template = "soft-two-spheres"\nsizes = [2]', "those of a periodic cell"),
+        ('process = "t1"\nsizes = [1, 2]', "sizes: are of the cell of a scene"),
+        ('template = "sheared-packing"\nsizes = [2, 2]', "sizes: contain a factor twice"),
+    ],
+)
+def test_sizes_of_what_has_none_are_refused(tmp_path, text, says):
+    (tmp_path / "s.toml").write_text(text)
+    with pytest.raises((BadInput, SceneError), match=says):
+        open_or_create(tmp_path / "s.toml", tmp_path / "sweep")

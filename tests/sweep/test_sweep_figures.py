@@ -13,7 +13,7 @@ from ecume.errors import BadInput
 from ecume.show.style import figure
 from ecume.sweep import figures
 from ecume.sweep.figures import Column, column_of, edges, plot_sweep, scatter, sweep_figure
-from ecume.sweep.fits import Points, fit_of
+from ecume.sweep.fits import Points, fit_of, largest_difference, points_of
 from ecume.sweep.results import representing
 from ecume.sweep.spec import Axis
 
@@ -242,6 +242,21 @@ def test_a_fit_finds_the_law_of_each_curve_and_states_its_interval(tmp_path, mon
         measured = [row for row in rows if row["curve"] == curve and row["quantity"] == "measured"]
         assert [row["runs"] for row in measured] == ["3"] * 5
         assert [float(row["error"]) for row in measured] == pytest.approx([0.01 / 3**0.5] * 5)
+
+
+def test_two_curves_are_compared_where_they_differ_most():
+    rates = np.array([0.1, 1.0, 10.0])
+    one = Points("1", rates, tuple(Mean(value, 0.1) for value in (1.0, 2.0, 4.0)), (3,) * 3)
+    two = Points("2", rates[1:], (Mean(2.2, 0.1), Mean(3.0, 1.0)), (3,) * 2)
+    found = largest_difference(one, two)
+    assert (found.at, found.relative, found.errors) == pytest.approx((1.0, 0.1, 2.0**0.5))
+    with pytest.raises(BadInput, match="no value of the axis in common"):
+        largest_difference(one, two._replace(at=np.array([5.0, 7.0])))
+
+
+def test_runs_without_a_value_are_counted():
+    points = points_of("", np.array([1.0, 1.0, 2.0]), np.array([3.0, np.nan, 5.0]))
+    assert (points.omitted, points.runs) == (1, (1, 1))
 
 
 def test_the_interval_of_a_fit_contains_the_true_law_as_often_as_it_says():

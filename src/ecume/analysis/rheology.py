@@ -157,6 +157,28 @@ class FlowPoint(NamedTuple):
         return _quotient(self.shear_stress, self.rate, 1.0)
 
 
+EINSTEIN = 2.5
+"""The slope of the viscosity of a dilute suspension of spheres over their volume fraction."""
+
+
+def suspension_viscosity(
+    of_contacts: Viscosity, viscosity: Viscosity, fraction: Number, thickness: float | None = None
+) -> Viscosity:
+    """The viscosity with that of a dilute suspension, eta (1 + 2.5 phi), beside the contacts. [einstein1906], with
+    the slope as corrected in 1911.
+
+    The stress of a frame is that of contacts: its viscosity lacks the liquid that flows between spheres far apart, and
+    tends to zero when dilute. The sum is an estimate in between, not a theory. In a layer, of a given `thickness` (the
+    mean diameter is usual), viscosities of contacts are in N s/m, and spheres fill two thirds of what discs cover.
+
+    >>> suspension_viscosity(0.0, 1.0, 0.1), suspension_viscosity(3.0, 2.0, 0.3, thickness=1.5)
+    (1.25, 7.5)
+    """
+    if thickness is None:
+        return of_contacts + viscosity * (1.0 + EINSTEIN * fraction)
+    return of_contacts + viscosity * thickness * (1.0 + EINSTEIN * 2.0 / 3.0 * fraction)
+
+
 def viscous_number(viscosity: Viscosity, rate: Rate, normal_stress: Pressure) -> Number:
     """The viscous number J = eta |rate| / P: the time in which a film is squeezed over that of the flow.
     [boyer2011].

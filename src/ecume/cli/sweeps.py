@@ -67,6 +67,9 @@ def sweep(
     array: Annotated[bool, typer.Option("--array", help="Write a job array for sbatch, and run nothing.")] = False,
     task: Annotated[Any, typer.Option("--task", parser=task_of, hidden=True)] = None,
     status: Annotated[bool, typer.Option("--status", help="Print the progress, and run nothing.")] = False,
+    fit: Annotated[
+        bool, typer.Option("--fit", help="Fit offset + K x^n to the first measure: table, figure and intervals.")
+    ] = False,
     laws: Laws = None,
     json: Json = False,
     quiet: Quiet = False,
@@ -75,12 +78,15 @@ def sweep(
 
     Finished points are not repeated.
 
-    Examples: `ecume sweep durations.toml` · `ecume sweep durations.toml --workers 8` · `ecume sweep sweeps/durations
-    --status` · `ecume sweep durations.toml --array && sbatch sweeps/durations/array.sh`
+    Examples: `ecume sweep durations.toml` · `ecume sweep durations.toml --workers 8`
+    · `ecume sweep flow-curve.toml --fit` · `ecume sweep sweeps/durations --status`
+    · `ecume sweep durations.toml --array && sbatch sweeps/durations/array.sh`
     """
     use_at_most(1)
     if sum((workers is not None, scheduler is not None, slurm, array, status)) > 1:
         raise BadInput("expected one of --workers, --scheduler, --slurm, --array and --status")
+    if fit and (status or array or task is not None):
+        raise BadInput("--fit is that of finished runs; expected it without --status and --array")
     if json and not status:
         raise BadInput("--json goes with --status")
     directory = out or (file if file.is_dir() else SWEEPS / file.stem)
@@ -95,6 +101,8 @@ def sweep(
         hands: dict[str, Any] = {"workers": workers, "scheduler": scheduler, "slurm": slurm, "retries": retries}
         hands["laws"] = tuple(absolute(laws or []))
         _run_all(source, directory, hands, quiet=quiet)
+        if fit:
+            _fit_all(directory, quiet=quiet)
 
 
 def absolute(laws: Sequence[str]) -> list[str]:
@@ -121,6 +129,36 @@ def _run_all(source: Path, directory: Path, hands: dict[str, Any], *, quiet: boo
     with counted("points", quiet=quiet, lines=True) as reporter:
         done = results.sweep(source, directory, ExecutorOptions(**hands, progress=reporter, failed=failed))
     _end(done, quiet=quiet)
+
+
+def _fit_all(directory: Path, *, quiet: bool) -> None:
+    """Draw and write the fit of the first measure, and print its parameters with their intervals; of two curves, also
+    where they differ most.
+    """
+    from ecume.sweep.figures import fitted_curves, plot_sweep
+    from ecume.sweep.fits import PARAMETERS, fit_of, largest_difference
+
+    (picture,) = plot_sweep(directory, "fit")
+    measure, curves = fitted_curves(directory)
+    if quiet:
+        return
+    rows = []
+    for points in curves:
+        found, name = fit_of(points), points.label or measure
+        for parameter in PARAMETERS:
+            value, error = getattr(found, parameter)
+            half = points.width * error
+            rows.append((name, parameter, f"{value:.4g}", f"{value - half:.4g} to {value + half:.4g}"))
+        rows.append((name, "misfit", f"{found.misfit:.3g}", "1 where curve and errors are right"))
+    print_table(("curve", "of offset + factor x^exponent", "value", "95 % interval"), rows)
+    omitted = sum(points.omitted for points in curves)
+    if omitted:
+        say(f"{omitted} runs are omitted: {measure} is not stationary there, or not a number; run these for longer")
+    if len(curves) == 2:
+        apart = largest_difference(*curves)
+        said = f"{100.0 * apart.relative:+.2g} %, {apart.errors:.2g} standard errors"
+        echo(f"{curves[1].label} differs from {curves[0].label} most at {apart.at:.4g}: by {said}")
+    echo(f"wrote {picture} and {picture.with_suffix('.csv')}")
 
 
 def _end(done: Outcome, *, quiet: bool) -> None:

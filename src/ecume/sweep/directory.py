@@ -23,10 +23,20 @@ from ecume.run.directory import RunDirectory
 from ecume.run.lock import is_held
 from ecume.scenes.faults import echo, read_path, value_at
 from ecume.scenes.load import OVERRIDDEN, load_scene
-from ecume.scenes.schema import Scene, scene_hash, to_plain
+from ecume.scenes.schema import Scene, from_plain, scene_hash, to_plain
 from ecume.scenes.tables import beside, require_there
 from ecume.scenes.templates import folder as templates_folder
-from ecume.sweep.spec import Asked, Point, SweepSpec, load_sweep, points_of, require_arguments, require_settings, varied
+from ecume.sweep.spec import (
+    SIZE,
+    Asked,
+    Point,
+    SweepSpec,
+    load_sweep,
+    points_of,
+    require_arguments,
+    require_settings,
+    varied,
+)
 from ecume.trajectories.records import (
     CRC,
     anything,
@@ -145,7 +155,7 @@ def write_points(asked: Asked, directory: Path, check: Check = unchecked) -> Swe
         require_arguments(spec.process, [*spec.fixed, *varied(spec)])
     plans = [(point, _checked_plan(asked, point)) for point in points_of(spec)]
     keys = varied(spec)
-    jobs = [Job(point, directory / POINTS_FOLDER / _digest(plan), _values(plan, keys)) for point, plan in plans]
+    jobs = [Job(point, directory / POINTS_FOLDER / _digest(plan), _values(point, plan, keys)) for point, plan in plans]
     _refuse_foreign(directory)
     if any(job.state != "done" for job in jobs):
         check(spec.measures, plans[0][1])
@@ -278,15 +288,34 @@ def _plan(asked: Asked, point: Point) -> dict[str, Any]:
     if spec.process:
         require_settings(spec.process, point.settings)
         return {"process": spec.process, "settings": point.settings}
-    changes = [f"{key}={_toml(value)}" for key, value in point.settings.items()]
+    changes = [f"{key}={_toml(value)}" for key, value in point.settings.items() if key != SIZE]
     source = _source(asked)
     seed = [f"seed={load_scene(source, changes).seed + point.repeat}"] if point.repeat else []
-    scene = load_scene(source, [*changes, *seed])
+    scene = enlarged(load_scene(source, [*changes, *seed]), point.settings.get(SIZE, 1))
     plain = to_plain(scene)
     plan: dict[str, Any] = {"scene": plain, "hash": scene_hash(scene), "scene_sha256": _sha256(as_json(plain))}
     if asked.laws:
         plan["extra_laws"] = list(asked.laws)
     return plan if spec.engine == LOCAL else plan | _in_lammps(scene, spec)
+
+
+def enlarged(scene: Scene, factor: int) -> Scene:
+    """The scene with `factor` times as many particles of each species, in a periodic cell as many times as large.
+    Raises BadInput where this is not defined.
+    """
+    if factor == 1:
+        return scene
+    plain = to_plain(scene)
+    cell, particles = plain.get("cell"), plain.get("particles", [])
+    if not cell or plain.get("walls"):
+        raise BadInput("sizes: they are those of a periodic cell on all sides; expected a scene with [cell], no walls")
+    if not all(one.get("count") and not one.get("positions") and not one.get("radii") for one in particles):
+        raise BadInput("sizes: they are factors of counts; expected count, and no lists of positions or radii")
+    for one in particles:
+        one["count"] *= factor
+    if not any(key.endswith("_fraction") and cell[key] for key in cell):
+        cell["size"] = [float(factor) ** (1.0 / len(cell["size"])) * side for side in cell["size"]]
+    return from_plain(plain)
 
 
 def _in_lammps(scene: Scene, spec: SweepSpec) -> dict[str, Any]:
@@ -315,11 +344,11 @@ def _plain(job: Job) -> dict[str, Any]:
     return {"settings": point.settings, "repeat": point.repeat, "folder": job.folder.name, "values": job.values}
 
 
-def _values(plan: dict[str, Any], keys: list[str]) -> dict[str, Any]:
+def _values(point: Point, plan: dict[str, Any], keys: list[str]) -> dict[str, Any]:
     """The values of the varied keys at a point."""
     if "process" in plan:
         return {key: plan["settings"].get(key) for key in keys}
-    return {key: value_at(plan["scene"], read_path(key), None) for key in keys}
+    return {key: point.settings[SIZE] if key == SIZE else value_at(plan["scene"], read_path(key), None) for key in keys}
 
 
 def _toml(value: Any) -> str:

@@ -81,9 +81,14 @@ def plot_sweep(
     tables = [] if data is None else [written_data(drawn, data)]
     save(finished(drawn, finish), target)
     if kind == "fit":
-        axes, shown = _columns(sweep, measure)
-        write_fits(target.with_suffix(".csv"), fitted_points(axes, shown))
+        write_fits(target.with_suffix(".csv"), fitted_curves(directory, measure)[1])
     return [*tables, target]
+
+
+def fitted_curves(directory: Path, measure: str | None = None) -> tuple[str, list[Points]]:
+    """The name of a measure (by default the first) and the points of its curves, which a fit draws."""
+    axes, shown = _columns(open_sweep(directory), measure)
+    return shown.name, fitted_points(axes, shown)
 
 
 def kinds_of(directory: Path) -> list[str]:

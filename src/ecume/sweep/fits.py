@@ -34,6 +34,8 @@ class Points(NamedTuple):
     """over the repeats, with standard errors; 0 for single runs"""
     runs: tuple[int, ...]
     """the number of runs at each value"""
+    omitted: int = 0
+    """the runs without a finite value, such as those that did not become stationary"""
 
     @property
     def width(self) -> float:
@@ -49,7 +51,7 @@ def points_of(label: str, x: Array, values: Array) -> Points:
     means = tuple(
         Mean(float(one.mean()), float(one.std(ddof=1) / np.sqrt(len(one))) if len(one) > 1 else 0.0) for one in groups
     )
-    return Points(label, at, means, tuple(map(len, groups)))
+    return Points(label, at, means, tuple(map(len, groups)), int((~good).sum()))
 
 
 def fit_of(points: Points) -> CurveFit:
@@ -90,6 +92,36 @@ def rows_of(points: Points) -> Iterator[tuple[object, ...]]:
         value, error = getattr(fit, name)
         yield points.label, name, "", value, error, value - width * error, value + width * error, ""
     yield points.label, "misfit", "", fit.misfit, "", "", "", ""
+
+
+class Difference(NamedTuple):
+    """Where two curves differ most, relative to their errors."""
+
+    at: float
+    """the value of the axis"""
+    relative: float
+    """the second value over the first, minus 1"""
+    errors: float
+    """the difference in standard errors of it; infinite where both are single runs"""
+
+
+def largest_difference(first: Points, second: Points) -> Difference:
+    """The largest difference of two curves among the values of the axis that both have, in standard errors. Raises
+    BadInput without such values.
+
+    >>> one, two = (Points("", np.array([1.0]), (Mean(value, 0.3),), (3,)) for value in (2.0, 3.0))
+    >>> largest_difference(one, two)._replace(errors=0.0)
+    Difference(at=1.0, relative=0.5, errors=0.0)
+    """
+    found = []
+    for at, one in zip(first.at, first.means, strict=True):
+        for other in (mean for place, mean in zip(second.at, second.means, strict=True) if place == at):
+            apart, error = abs(other.value - one.value), float(np.hypot(one.error, other.error))
+            errors = apart / error if error > 0.0 else (np.inf if apart else 0.0)
+            found.append(Difference(float(at), other.value / one.value - 1.0, float(errors)))
+    if not found:
+        raise BadInput("the two curves have no value of the axis in common")
+    return max(found, key=lambda one: (one.errors, abs(one.relative)))
 
 
 def write_fits(file: Path, curves: Sequence[Points]) -> None:

@@ -36,7 +36,7 @@ from ecume.sweep.directory import (
 )
 from ecume.sweep.executors import ExecutorOptions, engine_of, hands
 from ecume.sweep.measures import Measure, measure_of, read_measure, usual_measures
-from ecume.sweep.spec import Axis, process_of
+from ecume.sweep.spec import SIZE, Axis, process_of
 from ecume.trajectories.reader import open_trajectory
 from ecume.trajectories.records import storing, write_whole
 from ecume.trajectories.tables import library, write_rows
@@ -81,7 +81,7 @@ class Sweep:
         spec = self._sweeping.spec
         axes = [key for axis in spec.axes for key in representing(axis)]
         sampled = [axis.key for axis in spec.sampling.axes] if spec.sampling is not None else []
-        return [spec.named(key) for key in [*axes, *sampled]]
+        return [spec.named(key) for key in [*axes, *sampled, *([SIZE] if spec.sizes else [])]]
 
     @property
     def drawn(self) -> bool:
@@ -195,7 +195,8 @@ def _is_nan(value: Any) -> bool:
 def units_of_keys(sweeping: Sweeping) -> dict[str, str]:
     """The units of the varied keys of a scene, by column."""
     plain = json_at(sweeping.jobs[0].asked, dict)["scene"]
-    return {sweeping.spec.named(key): unit_of(plain, read_path(key)) for key in sweeping.keys}
+    keys = [key for key in sweeping.keys if key != SIZE]
+    return {sweeping.spec.named(key): unit_of(plain, read_path(key)) for key in keys}
 
 
 def units_of_measures(jobs: Sequence[Job], columns: Sequence[str]) -> dict[str, str]:

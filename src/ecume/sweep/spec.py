@@ -109,6 +109,8 @@ def results_of(name: str, settings: Mapping[str, Any]) -> dict[str, Any]:
 
 
 MOST_POINTS = 1_000_000
+SIZE = "size_factor"
+"""The column of the factors in `sizes`."""
 OWN_COLUMNS = ("state", "repeat")
 """Columns that every table has."""
 LONGEST = 100
@@ -295,6 +297,9 @@ class SweepSpec:
     """random points; combined with axes, each combination of values has all random points"""
     repeats: Annotated[int, Field(strict=True, ge=1, le=100_000)] = 1
     """of each point, with consecutive seeds from that of the scene on"""
+    sizes: Annotated[tuple[Annotated[Whole, Field(le=1000)], ...], Field(max_length=100)] = ()
+    """factors of the numbers of particles in a periodic cell, which grows with them: each point at each size, which
+    shows how results depend on the size of the cell"""
     measures: tuple[Annotated[Text, AfterValidator(measure)], ...] = ()
     """columns of the table: `final kinetic_energy`, `mean pressure`, `max top`, `first top > 0.3` ...; default: the
     last value of every number"""
@@ -321,10 +326,14 @@ class SweepSpec:
     def _incomplete(self) -> Iterator[tuple[tuple[str, ...], str]]:
         if sum(map(bool, (self.scene, self.template, self.process))) != 1:
             yield (), "expected one of scene, template and process"
-        if not self.axes and self.sampling is None and self.repeats == 1:
+        if not (self.axes or self.sizes) and self.sampling is None and self.repeats == 1:
             yield ("axes",), "is missing; nothing varies"
         if self.process and self.repeats > 1:
             yield ("repeats",), "a process has no seed; its repeats would be equal"
+        if self.process and self.sizes:
+            yield ("sizes",), f"are of the cell of a scene; the process {self.process} has none"
+        if len(set(self.sizes)) < len(self.sizes):
+            yield ("sizes",), "contain a factor twice"
         if self.process and self.measures:
             yield ("measures",), f"apply to scenes; the process {self.process} has a fixed list of numbers"
         if self.process and self.engine != LOCAL:
@@ -355,6 +364,7 @@ class SweepSpec:
             )
         ]
         drawn = enumerate(self.sampling.axes if self.sampling is not None else ())
+        axes += [(("sizes",), SIZE)] * bool(self.sizes)
         return dict(axes) | {("sampling", "axes", place, "key"): axis.key for place, axis in drawn}
 
     def named(self, key: str) -> str:
@@ -426,6 +436,8 @@ def points_of(spec: SweepSpec) -> list[Point]:
     grids = [list(settings_of(axis)) for axis in spec.axes]
     if spec.sampling is not None:
         grids.append(list(drawn(spec.sampling)))
+    if spec.sizes:
+        grids.append([{SIZE: factor} for factor in spec.sizes])
     count = math.prod(len(grid) for grid in grids) * spec.repeats
     if count > MOST_POINTS:
         raise BadInput(f"{count} points are more than {MOST_POINTS}; shorten an axis")

@@ -78,6 +78,7 @@ EFFECTS = {
     "particles.density": of(1.2, **FALLING),
     "particles.positions": of([[0.0, 1.06], [2.05, 1.07]]),
     "particles.count": of(3, **SCATTERED),
+    "particles.glued": of("bottom", **WALLS),
     "particles.force": of([1e-3, 1e-5], REFUSED),
     "particles.torque": of([1e-4], rotation=True),
     "particles.color": of("orange", PICTURE),

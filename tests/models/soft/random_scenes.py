@@ -282,6 +282,8 @@ def _turned_species(one, turn, matrix, shift):
     new["positions"] = [(matrix @ np.array(place) + shift).tolist() for place in one["positions"]]
     if one.get("force") is not None:
         new["force"] = (matrix @ np.array(one["force"])).tolist()
+    if one.get("glued") is not None:
+        new["glued"] = OPPOSITE[one["glued"]]
     if one.get("torque") is not None and len(one["torque"]) == 3:
         new["torque"] = turn.apply(one["torque"]).tolist()
     return new

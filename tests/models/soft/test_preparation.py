@@ -6,6 +6,7 @@ import pytest
 from ecume.errors import SceneError
 from ecume.models.soft import SOFT
 from ecume.models.soft.preparation import compression
+from ecume.models.soft.setup import compression_rate
 from ecume.scenes.schema import from_plain
 from ecume.simulation import simulate
 
@@ -103,7 +104,14 @@ def test_random_packings_keep_what_every_run_keeps(seed, goal):
         ({"preparation": {"rate": 0.1}}, r"preparation: expected either volume_fraction or pressure"),
         ({"preparation": {"rate": 0.1, "volume_fraction": 0.7}}, r"got 0\.7; expected more than the cell's 0\.75"),
         ({"preparation": {"rate": 0.1, "pressure": "10 Pa"}}, r"preparation\.pressure.*N/m"),
-        ({"walls": [{"side": "bottom"}], "preparation": {"rate": 0.1, "pressure": 1.0}}, r"without walls"),
+        (
+            {"walls": [{"side": "bottom"}], "preparation": {"rate": 0.1, "pressure": 1.0}},
+            r"preparation: between walls is by the wall that has a pressure; expected one of them, got 0",
+        ),
+        (
+            {"walls": [{"side": "top", "pressure": 1.0}], "preparation": {"volume_fraction": 0.8}},
+            r"preparation: to a volume fraction shortens all sides",
+        ),
         (
             {"preparation": {"rate": 0.1, "pressure": 1.0}, "protocol": [{"time": 0.0}, {"time": 1.0, "scale": 0.9}]},
             r"protocol\[1\]\.scale: cannot be reached after a preparation to a pressure",
@@ -127,7 +135,34 @@ def test_a_pressure_beyond_all_packings_is_refused_with_the_fraction_that_was_re
 
 def test_check_does_not_compress_but_says_that_a_run_does():
     rows = {name: value for name, value, _ in SOFT.summary(prepared({"volume_fraction": 0.87}))}
-    assert rows["compressed to"] == "0.87"
+    assert (rows["compressed to"], rows["relaxed to"]) == ("0.87", "0.01")
+
+
+def test_by_default_compression_is_slow_beside_the_pressure_or_the_modulus():
+    """A viscous number of 1e-3 in a layer as high as the mean diameter of 2.4 mm; or 1e-6 of modulus over viscosity."""
+    rates = [
+        compression_rate(scene, SOFT.parameters(scene))
+        for goal in ({"pressure": "0.12 N/m"}, {"volume_fraction": 0.87}, {"volume_fraction": 0.87, "rate": 3.0})
+        for scene in [prepared({"rate": None, **goal})]
+    ]
+    assert rates == pytest.approx([0.05, 0.05, 3.0])
+
+
+def test_frames_state_how_the_preparation_ended():
+    (first, *_) = simulate(prepared({"volume_fraction": 0.87, "relaxed": 0.02}))
+    assert 0.0 < first.numbers["preparation_change"] <= 0.02
+    assert first.numbers["preparation_time"] > np.log(0.87 / 0.75) / 2.0 / 0.1
+
+
+def test_a_wall_compresses_a_packing_to_its_pressure_before_it_moves():
+    walls = [{"side": "bottom"}, {"side": "top", "pressure": "0.05 N/m", "velocity": [1e-3, 0.0]}]
+    first, *_, last = simulate(
+        prepared({"pressure": "0.1 N/m", "rate": 0.3, "relaxed": 0.1}, walls=walls, duration=1.0)
+    )
+    width = float(np.sqrt(np.pi * 6 * (1e-6 + 1.96e-6) / 0.75))
+    assert last.numbers["top_force_y"] == pytest.approx(0.05 * width, rel=1e-6)
+    assert (first.numbers["top_x"], last.numbers["top_x"]) == pytest.approx((0.0, 1e-3))
+    assert 0.5 * width < first.numbers["top_y"] < 0.99 * width
 
 
 def test_films_that_thin_to_nothing_before_time_0_are_named_with_what_keeps_them_open():

@@ -93,6 +93,8 @@ class Planes(NamedTuple):
     """(W, 3) N at load 1 on walls that forces move"""
     free: Integers
     """(A, 2) walls and axes along which forces move them"""
+    glue: Array
+    """(N, W) N/m: the stiffness by which each sphere is glued to each wall; 0 where it is not"""
 
 
 class Parameters(NamedTuple):

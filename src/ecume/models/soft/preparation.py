@@ -12,12 +12,12 @@ from ecume.models.model import DIVERGED
 from ecume.models.soft import setup
 from ecume.models.soft.integration.linear_solvers import begin_step
 from ecume.models.soft.integration.time_stepping import advance
-from ecume.models.soft.parameters import Parameters
+from ecume.models.soft.parameters import Parameters, Planes
 from ecume.models.soft.protocol import at_frames, drive_at, protocol_of, rules_at
 from ecume.models.soft.report.diagnosis import diagnosis
-from ecume.models.soft.report.observation import observe
+from ecume.models.soft.report.observation import AXES, observe
 from ecume.models.soft.state import CLOCK, LENGTH, PAST_ERROR, UPRIGHT, State, workspace
-from ecume.scenes.soft import PreparationSpec, SoftScene, StageSpec, dimensions_of, first_fraction
+from ecume.scenes.soft import SIDES, PreparationSpec, SoftScene, StageSpec, dimensions_of, first_fraction, sides_of
 from ecume.units import Array
 
 DENSEST = 1.4
@@ -36,6 +36,7 @@ def start(scene: SoftScene, parameters: Parameters) -> State:
     if not parameters.drag.any():
         setup.require_hold(parameters, state)
         setup.require_no_torque(parameters, state)
+    state.wall_rate[:] = parameters.walls.surfaces.velocity
     _rewind(scene, parameters, state)
     for since_then in (state.velocity, state.spin, state.tally, state.budget):
         since_then[:] = 0
@@ -51,48 +52,98 @@ def unprepared(scene: SoftScene, parameters: Parameters) -> State:
 
 
 def _pressing(scene: SoftScene, spec: PreparationSpec, parameters: Parameters) -> Parameters:
-    """The parameters of the compression."""
-    unloaded = _unloaded(spec, parameters)
-    protocol = protocol_of(compression(scene, spec))
-    return unloaded._replace(protocol=at_frames(protocol, unloaded.steps_per_frame, unloaded.time_step, unloaded.end))
+    """The parameters of the compression: of the cell, or by the wall that has a pressure."""
+    quiet = _unloaded(scene, parameters)
+    if not scene.walls:
+        protocol = protocol_of(compression(scene, spec))
+        return quiet._replace(protocol=at_frames(protocol, quiet.steps_per_frame, quiet.time_step, quiet.end))
+    inward, (axis, _) = quiet.walls.surfaces.place * pressed_wall(scene, parameters), section_of(scene)
+    velocity = inward * sides_of(scene)[axis] * setup.compression_rate(scene, parameters)
+    return quiet._replace(walls=_moved(quiet.walls, velocity), protocol=protocol_of(()))
 
 
-def _unloaded(spec: PreparationSpec, parameters: Parameters) -> Parameters:
-    """The parameters without loads and without an end, with frames at intervals of 1/rate."""
+def _unloaded(scene: SoftScene, parameters: Parameters) -> Parameters:
+    """The parameters without loads and without an end, with frames at intervals of 1/rate; walls stand still."""
     nothing = {name: np.zeros_like(getattr(parameters, name)) for name in ("force", "torque", "weight")}
-    return parameters._replace(time_step=1.0 / spec.rate / parameters.steps_per_frame, end=math.inf, **nothing)
+    walls = parameters.walls._replace(force=np.zeros_like(parameters.walls.force), free=np.zeros((0, 2), np.int64))
+    walls = _moved(walls, np.zeros_like(walls.surfaces.velocity))
+    tick = 1.0 / setup.compression_rate(scene, parameters) / parameters.steps_per_frame
+    return parameters._replace(time_step=tick, end=math.inf, walls=walls, **nothing)
+
+
+def _moved(walls: Planes, velocity: Array) -> Planes:
+    """Walls with these velocities."""
+    return walls._replace(surfaces=walls.surfaces._replace(velocity=np.ascontiguousarray(velocity)))
+
+
+def pressed_wall(scene: SoftScene, parameters: Parameters) -> Array:
+    """1 for the wall that has a pressure, which compresses the packing; 0 for others; (W, 1)."""
+    return np.array([[float(wall.pressure is not None)] for wall in scene.walls]).reshape(-1, 1)
 
 
 def _prepared(scene: SoftScene, spec: PreparationSpec, parameters: Parameters) -> State:
     """The packing at the end of its preparation."""
     resting = pressing = _pressing(scene, spec, parameters)
-    state, last = setup.start(scene, pressing), float(pressing.protocol.times[-1])
-    while state.pace[CLOCK] < last and not _presses(spec, pressing, state):
+    state, last = setup.start(scene, pressing), _latest(scene, spec, pressing)
+    while state.pace[CLOCK] < last and not _presses(scene, pressing, state):
         _go(pressing, state, 0)
+    passed = float(state.pace[CLOCK])
     if spec.pressure is not None:
-        if not _presses(spec, pressing, state):
+        if not _presses(scene, pressing, state):
             cause = f"is not reached at a volume fraction of {DENSEST:g}; expected a lower one"
             raise SceneError([Fault("preparation.pressure", cause)])
-        resting = pressing._replace(protocol=protocol_of((StageSpec(time=0.0, pressure=spec.pressure),)))
+        resting = _pressed(scene, spec.pressure, parameters)
         _rewind(scene, resting, state)
-    _relax(resting, state, spec.relaxed)
-    return state
+    change = _relax(resting, state, spec.relaxed)
+    return state._replace(prepared=np.array([passed + float(state.pace[CLOCK]), change]))
 
 
-def _presses(spec: PreparationSpec, parameters: Parameters, state: State) -> bool:
+def _latest(scene: SoftScene, spec: PreparationSpec, pressing: Parameters) -> float:
+    """The time (s) at which the compression ends at the latest."""
+    if not scene.walls:
+        return float(pressing.protocol.times[-1])
+    return (1.0 - first_fraction(scene) / DENSEST) / setup.compression_rate(scene, pressing)
+
+
+def _pressed(scene: SoftScene, pressure: float, parameters: Parameters) -> Parameters:
+    """The parameters of a rest at this pressure, which controls the cell, or the wall that has a pressure."""
+    quiet = _unloaded(scene, parameters)
+    if not scene.walls:
+        return quiet._replace(protocol=protocol_of((StageSpec(time=0.0, pressure=pressure),)))
+    wall, (axis, area) = int(pressed_wall(scene, parameters).argmax()), section_of(scene)
+    force = np.zeros_like(quiet.walls.force)
+    force[wall, axis] = pressure * area * parameters.walls.surfaces.place[wall, axis]
+    walls = quiet.walls._replace(force=force, free=np.array([[wall, axis]], np.int64))
+    return quiet._replace(walls=walls, protocol=protocol_of(()))
+
+
+def section_of(scene: SoftScene) -> tuple[int, float]:
+    """The axis of the wall that has a pressure, and the section across it (m^2; in a layer m)."""
+    axis = next(SIDES[wall.side][0] for wall in scene.walls if wall.pressure is not None)
+    sides = sides_of(scene)
+    return axis, math.prod(sides) / sides[axis]
+
+
+def _presses(scene: SoftScene, parameters: Parameters, state: State) -> bool:
     """Whether the requested pressure is reached; False without one."""
-    if spec.pressure is None:
+    if scene.preparation is None or scene.preparation.pressure is None:
         return False
-    return observe(parameters, state, workspace(parameters, state, 1.0)).numbers["pressure"] >= spec.pressure
+    numbers = observe(parameters, state, workspace(parameters, state, 1.0)).numbers
+    if not scene.walls:
+        return numbers["pressure"] >= scene.preparation.pressure
+    axis, area = section_of(scene)
+    side = next(wall.side for wall in scene.walls if wall.pressure is not None)
+    return abs(numbers[f"{side}_force_{AXES[axis]}"]) >= scene.preparation.pressure * area
 
 
 def compression(scene: SoftScene, spec: PreparationSpec) -> tuple[StageSpec, StageSpec]:
     """The scale of the cell over time, from the volume fraction of the placement to the requested one, or, for a
     requested pressure, to DENSEST.
     """
+    rate = setup.compression_rate(scene, setup.parameters_of(scene)) if spec.rate is None else spec.rate
     ratio = ((spec.volume_fraction or DENSEST) / first_fraction(scene)) ** (1.0 / dimensions_of(scene))
     first, last = (ratio, 1.0) if spec.pressure is None else (1.0, 1.0 / ratio)
-    return StageSpec(time=0.0, scale=first), StageSpec(time=math.log(ratio) / spec.rate, scale=last)
+    return StageSpec(time=0.0, scale=first), StageSpec(time=math.log(ratio) / rate, scale=last)
 
 
 def _rewind(scene: SoftScene, parameters: Parameters, state: State) -> None:
@@ -103,8 +154,10 @@ def _rewind(scene: SoftScene, parameters: Parameters, state: State) -> None:
         setup.balance_first(parameters, state)
 
 
-def _relax(parameters: Parameters, state: State, part: float) -> None:
-    """Integrate until contact forces change by less than the fraction `part` within 1/rate. Raises SceneError."""
+def _relax(parameters: Parameters, state: State, part: float) -> float:
+    """Integrate until contact forces change by less than the fraction `part` within 1/rate. Returns the fraction by
+    which they last did. Raises SceneError.
+    """
     frame, least = parameters.steps_per_frame, FAINT * float((parameters.modulus * parameters.radius**2).max())
     before = _forces(parameters, state)
     for _ in range(LONGEST):
@@ -113,8 +166,9 @@ def _relax(parameters: Parameters, state: State, part: float) -> None:
             _go(parameters, state, end - int(state.step[0]))
         now = _forces(parameters, state)
         typical = float(np.sqrt((now[1] ** 2).sum() / max(len(now[1]), 1)))
-        if typical < least or _changed(before, now) <= part * typical:
-            return
+        changed = _changed(before, now) / typical if typical > 0.0 else 0.0
+        if typical < least or changed <= part:
+            return changed
         before = now
     cause = f"forces still change by more than that part after {LONGEST} times 1/rate; expected a larger one"
     raise SceneError([Fault("preparation.relaxed", cause)])

@@ -45,6 +45,8 @@ def layout(scene: SoftScene, parameters: Parameters, state: State) -> Layout:
     blank = make_state(parameters, np.zeros((count, parameters.dimensions)), room)
     if not state.budget.size:
         blank = blank._replace(budget=NO_BUDGET)
+    if scene.preparation is not None and state.prepared.size:
+        blank = blank._replace(prepared=np.zeros(2))
     indices = {"contacts": (0, room), "pair": (0, count - 1), "touching": (0, 1)}
     return Layout(blank, indices, {"order": count})
 

@@ -24,7 +24,7 @@ from ecume.models.law_codes import code_of
 from ecume.models.liquids import material_of
 from ecume.models.soft.cell import Box, box_of, shape_at
 from ecume.models.soft.contacts.connected_pieces import UNBALANCED, loose_spheres, pieces
-from ecume.models.soft.contacts.contact_list import new_pairs, open_all, wall_gaps
+from ecume.models.soft.contacts.contact_list import new_pairs, open_all, wall_films, wall_gaps
 from ecume.models.soft.contacts.tree_search import box_in, neighbors
 from ecume.models.soft.integration.dirk import accept
 from ecume.models.soft.integration.dirk_schemes import SCHEMES
@@ -65,6 +65,7 @@ def places(scene: SoftScene, parameters: Parameters) -> Array:
         if species.positions:
             position[begin:end] = species.positions
         begin = end
+    stand_on_walls(scene, parameters, position)
     least = (
         GAP * float(parameters.radius.min())
         if scene.cell is None or scene.cell.minimum_gap is None
@@ -72,6 +73,18 @@ def places(scene: SoftScene, parameters: Parameters) -> Array:
     )
     _require_room(parameters, np.where(box.sides > 0.0, ends, ends + 2.0 * parameters.radius.max()), least)
     return pushed_apart(parameters, position, box, least)
+
+
+def stand_on_walls(scene: SoftScene, parameters: Parameters, position: Array) -> None:
+    """Move glued spheres that are placed at random to their walls, which they touch."""
+    walls, begin = parameters.walls.surfaces, 0
+    for species in scene.particles:
+        mine = slice(begin, begin := begin + species.number)
+        if species.glued is not None and not species.positions:
+            wall = [one.side for one in scene.walls].index(species.glued)
+            axis, outward = SIDES[species.glued]
+            plane = nearest_points(walls)[wall, axis]
+            position[mine, axis] = plane - outward * parameters.radius[mine]
 
 
 def _require_room(parameters: Parameters, ends: Array, least: float) -> None:
@@ -88,8 +101,9 @@ def pushed_apart(parameters: Parameters, position: Array, box: Box, least: float
     SceneError.
     """
     wide = parameters._replace(contacts=parameters.contacts._replace(fade_from=WIDER * least))
-    unit, walls = float(parameters.radius.min()), parameters.walls.surfaces
+    unit, walls, glue = float(parameters.radius.min()), parameters.walls.surfaces, parameters.walls.glue
     points = nearest_points(walls)
+    along = 1.0 - (glue > 0.0) @ np.abs(walls.place[:, : position.shape[1]])  # glued spheres move along their wall
 
     def cost(flat: Array) -> tuple[float, Array]:
         pair, _, between = neighbors(wide, flat.reshape(position.shape) * unit, box)
@@ -100,10 +114,10 @@ def pushed_apart(parameters: Parameters, position: Array, box: Box, least: float
         np.add.at(slope, pair[:, 0], push)
         np.add.at(slope, pair[:, 1], -push)
         to_wall = wall_gaps(parameters, flat.reshape(position.shape) * unit, points)
-        inside = np.maximum(WIDER * least - to_wall, 0.0)
+        inside = np.where(glue > 0.0, 0.0, np.maximum(WIDER * least - to_wall, 0.0))
         for wall, normal in enumerate(walls.place[:, : position.shape[1]]):
             slope -= inside[:, wall, None] / unit * normal
-        return 0.5 * float((overlap**2).sum() + ((inside / unit) ** 2).sum()), slope.ravel()
+        return 0.5 * float((overlap**2).sum() + ((inside / unit) ** 2).sum()), (slope * along).ravel()
 
     from scipy.optimize import minimize
 
@@ -114,7 +128,10 @@ def pushed_apart(parameters: Parameters, position: Array, box: Box, least: float
             cost, flat, jac=True, method="L-BFGS-B", options={"maxiter": PUSHES, "ftol": 0.0, "gtol": 1e-12}
         ).x
         found = np.asarray(flat.reshape(position.shape) * unit)
-        if not len(neighbors(tight, found, box)[0]) and (wall_gaps(parameters, found, points) >= least).all():
+        if (
+            not len(neighbors(tight, found, box)[0])
+            and ((wall_gaps(parameters, found, points) >= least) | (glue > 0.0)).all()
+        ):
             return found
     message = f"no places were found with gaps of {with_prefix(least, 'm', 3)} everywhere"
     raise SceneError([Fault("cell.size", f"{message}; {WAY_OUT}")])
@@ -169,8 +186,9 @@ def require_gaps(parameters: Parameters, position: Array, box: Box) -> None:
         message = f"spheres {first} and {second} overlap by {overlap} before they are deformed"
         raise SceneError([Fault("particles", f"{message}; expected a gap for the film")])
     gap = wall_gaps(parameters, position, nearest_points(parameters.walls.surfaces))
-    if not (gap > 0.0).all():
-        sphere, wall = (int(index[0]) for index in np.nonzero(~(gap > 0.0)))
+    through = ~(gap > 0.0) & (parameters.walls.glue == 0.0)
+    if through.any():
+        sphere, wall = (int(index[0]) for index in np.nonzero(through))
         message = f"sphere {sphere} is in wall {wall} or beyond it; expected a gap for the film"
         raise SceneError([Fault("particles", message)])
 
@@ -256,7 +274,8 @@ def parameters_of(scene: SoftScene) -> Parameters:
     box = np.zeros(3)
     if scene.cell is not None:
         box[:dimensions] = sides_of(scene)
-    walls = _planes(scene)
+    modulus = _moduli(scene, radius, counts)
+    walls = _planes(scene, modulus * radius)
     box[walls.surfaces.place.any(axis=0)] = 0.0
     tick, end = scene.frame_every / TICKS, scene.duration if scene.rest else math.inf
     parameters = Parameters(
@@ -266,7 +285,7 @@ def parameters_of(scene: SoftScene) -> Parameters:
         last_tick=last_step(scene, TICKS, least=2),
         dimensions=dimensions,
         radius=radius,
-        modulus=_moduli(scene, radius, counts),
+        modulus=modulus,
         species=np.repeat(np.arange(len(counts)), counts),
         drag=drag,
         force=np.ascontiguousarray(force, np.float64),
@@ -323,7 +342,7 @@ def first_length(scene: SoftScene, parameters: Parameters, state: State) -> floa
     speed = 2.0 * float(parameters.radius.max()) * rate + float(
         np.abs(parameters.walls.surfaces.velocity).max(initial=0.0)
     )
-    gaps = np.append(state.log_gap[: state.contacts[0]], state.wall_gap[state.touching.astype(bool)])
+    gaps = np.append(state.log_gap[: state.contacts[0]], state.wall_gap[wall_films(parameters, state)])
     if speed == 0.0 or len(gaps) == 0:
         return FIRST_STEP * longest
     part = FIRST_SHEAR * parameters.tolerance ** (1.0 / SCHEMES[parameters.scheme].tableau.order)
@@ -378,8 +397,14 @@ def _without_balance(
     return path, unbalanced(parameters, drained(workspace(parameters, state, 1.0)), at[1:])
 
 
-def _planes(scene: SoftScene) -> Planes:
-    """The walls, their motions and their forces."""
+GLUE = 1e3
+"""The stiffness of glue over modulus times radius: glued spheres move by a thousandth of what surfaces deflect."""
+
+
+def _planes(scene: SoftScene, stiffness: Array) -> Planes:
+    """The walls, their motions and their forces, and the spheres that are glued to them; `stiffness` is the modulus of
+    each sphere times its radius.
+    """
     dimensions, count = dimensions_of(scene), len(scene.walls)
     point, normal, velocity = np.zeros((3, count, dimensions))
     force = np.zeros((count, 3))
@@ -399,7 +424,28 @@ def _planes(scene: SoftScene) -> Planes:
                 force[index, along] = sign * stress * area
                 free.append((index, along))
     modulus = np.array([math.inf if wall.modulus is None else wall.modulus for wall in scene.walls])
-    return Planes(planes(point, normal, velocity), modulus, force, np.array(free, np.int64).reshape(-1, 2))
+    counts = [species.number for species in scene.particles]
+    glued = np.array([[species.glued == wall.side for wall in scene.walls] for species in scene.particles])
+    glue = GLUE * stiffness[:, None] * np.repeat(glued.reshape(len(counts), count), counts, axis=0)
+    return Planes(planes(point, normal, velocity), modulus, force, np.array(free, np.int64).reshape(-1, 2), glue)
+
+
+SLOW, SLOWEST = 1e-3, 1e-6
+"""The default rate of compression over pressure / viscosity, and over modulus / viscosity."""
+
+
+def compression_rate(scene: SoftScene, parameters: Parameters) -> float:
+    """The rate of compression (1/s): as given, or so slow that films bear little of the load. By default the viscous
+    number eta rate / P is SLOW, with the requested pressure P; for a volume fraction, eta rate over the largest modulus
+    is SLOWEST.
+    """
+    spec, viscosity = scene.preparation, parameters.contacts.viscosity
+    if spec is None or spec.rate is not None:
+        return math.inf if spec is None or spec.rate is None else spec.rate
+    if spec.pressure is None:
+        return SLOWEST * float(parameters.modulus.max()) / viscosity
+    diameter = 2.0 * float(parameters.radius.mean()) if parameters.dimensions == 2 else 1.0
+    return SLOW * spec.pressure / diameter / viscosity
 
 
 def _weights(scene: SoftScene, radius: Array, counts: list[int]) -> Array:

@@ -34,6 +34,8 @@ ACCEPTED, REJECTED, FAILED = range(3)
 """Indices of `State.tally`."""
 NO_BUDGET = np.zeros(0)
 """The energy budget in runs of earlier versions: empty."""
+UNPREPARED = np.zeros(0)
+"""The end of the preparation of scenes without one."""
 NO_LAYERS = np.zeros(0)
 """The layers of scenes without permeation."""
 
@@ -73,7 +75,7 @@ class State(NamedTuple):
     wall_gap: Array
     """(N, W) ln of its gap"""
     slip: Array
-    """(N, W, d) tangential displacement of the gap vector, in radii"""
+    """(N, W, d) tangential displacement of the gap vector, in radii; of glued spheres the vector to the wall"""
     wall: Array
     """(W, 3) m: the position of each wall on its axis, and its displacements along the others"""
     wall_rate: Array
@@ -96,6 +98,9 @@ class State(NamedTuple):
     """(L,) N: the rise of the pore pressure across each layer, times its area: see `permeation`"""
     permeating: Array = NO_LAYERS
     """(N,) m/s: velocities across the layers at the end of the last step"""
+    prepared: Array = UNPREPARED
+    """(2,) the duration of the preparation (s), and the part of contact forces by which they changed in its last
+    1/rate"""
 
 
 class Workspace(NamedTuple):
@@ -177,7 +182,12 @@ def workspace(parameters: Parameters, state: State, room: float) -> Workspace:
         log_gap=state.log_gap[:contacts].copy(),
         direction=in_3d(state.direction[:contacts]),
         bodies=bodies,
-        spins=make_spins(parameters.radius, parameters.spin_drag, parameters.torque, (stages, contacts, width)),
+        spins=make_spins(
+            parameters.radius,
+            (parameters.spin_drag, held_spins(parameters)),
+            parameters.torque,
+            (stages, contacts, width),
+        ),
         walls=walls_of(parameters, state, stages),
         permeation=permeation_of(parameters, state, stages),
         matrix=block_matrix.make_matrix(pattern, width),
@@ -216,6 +226,16 @@ def permeation_of(parameters: Parameters, state: State, stages: int) -> Permeati
     return make_permeation(parameters.permeation, piece[:-1] == piece[-1], now, stages)
 
 
+UNTURNED = 1e9
+"""The resistance of glued spheres to spins, over modulus times radius: they do not rotate."""
+
+
+def held_spins(parameters: Parameters) -> Array:
+    """The resistance of each sphere to rotation (N/m, at the equator): that of the glue; zero for others."""
+    glued = parameters.walls.glue.any(axis=1)
+    return np.where(glued, UNTURNED * parameters.modulus * parameters.radius, 0.0)
+
+
 def drained(scratch: Workspace) -> Workspace:
     """The same without permeating liquid: in which loads act for so long that it is at rest."""
     return scratch._replace(step=scratch.step._replace(permeation=()))
@@ -229,10 +249,11 @@ def walls_of(parameters: Parameters, state: State, stages: int) -> Walls | tuple
     count, radius = len(first), parameters.radius
     moduli = parameters.modulus[first], parameters.walls.modulus[wall]
     modulus = np.array([soft_pair.pair_modulus(*pair) for pair in zip(*moduli, strict=True)])
+    glue = parameters.walls.glue[first, wall]
     log_gap, slip = state.wall_gap[first, wall], in_3d(state.slip[first, wall])
     room = (np.zeros((count, *shape)) for shape in ((3,), (3,), (3, 3), (4,), (4, 3), (4,)))
     places = (log_gap.copy(), slip.copy(), log_gap.copy(), slip.copy(), log_gap, slip)
-    touches = Touches(first, wall, radius[first], modulus, *places, np.zeros((stages, count, 4)), *room)
+    touches = Touches(first, wall, radius[first], modulus, glue, *places, np.zeros((stages, count, 4)), *room)
     return Walls(make_walls(parameters.walls, (state.wall, state.wall_rate), stages), touches)
 
 

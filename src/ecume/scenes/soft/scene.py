@@ -215,6 +215,9 @@ class SphereSpec:
     volume_share: Share | None = None
     """The part of the volume of all particles that this species is (in 2D of the area), instead of its count; at least
     one species has a count. Example: `"30 %"`. Effect: sets the number of particles."""
+    glued: Side | None = None
+    """The wall to which the spheres are glued: they make it rough, and move with it; those of a `count` touch the
+    wall at random places. Example: `"bottom"`. Effect: rough walls drag the packing along, smooth ones slide."""
     force: ForceVector | None = None
     """The external force on each sphere (N), at load 1. Effect: moves the spheres; the forces must be balanced."""
     torque: TorqueVector | None = None
@@ -349,8 +352,8 @@ class CellSpec:
 
 @dataclass(frozen=True, kw_only=True, config=STRICT)
 class PreparationSpec:
-    """The preparation of a random packing before time 0: isotropic compression, then relaxation until its forces are
-    nearly constant. Loads, torques and gravity act from time 0 on.
+    """The preparation of a random packing before time 0: isotropic compression, or between walls by one of them, then
+    relaxation until its forces are nearly constant. Loads, torques, gravity and the motion of walls begin at time 0.
     """
 
     volume_fraction: Filling | None = None
@@ -358,10 +361,11 @@ class PreparationSpec:
     are those of this fraction. Example: `0.86`. Effect: denser packings bear larger stresses."""
     pressure: Stress | None = None
     """The pressure to which the packing is compressed, and at which it is left (Pa; N/m in 2D), instead of a fraction.
+    Between walls the one that has a pressure compresses it.
     Example: `"10 Pa"`. Effect: higher pressures leave denser packings."""
-    rate: CompressionRate
-    """The rate at which the sides are shortened (1/s). Effect: slower compression leaves time for rearrangements, and
-    costs time."""
+    rate: CompressionRate | None = None
+    """The rate at which the sides are shortened (1/s); by default a thousandth of pressure over viscosity, or a
+    millionth of modulus over viscosity. Effect: slower compression leaves time for rearrangements, and costs time."""
     relaxed: Annotated[Number, Field(ge=1e-6, le=1.0)] = 0.01
     """The part of the forces on contacts by which they still change within a time of 1/rate when time 0 begins; both
     are root mean squares. Effect: smaller values leave the packing to itself for longer."""
@@ -527,7 +531,37 @@ def _walls(scene: SoftScene) -> Complaints:
                 "all walls yield along x; expected one that does not, or hydrodynamics.drag = 'stokes'",
             )
         )
-    return [(("walls", *path), message) for path, message in found]
+    return [(("walls", *path), message) for path, message in found] + _rough(scene)
+
+
+DENSEST_LAYER = {2: 1.0, 3: 0.9}
+"""The largest part of a wall that spheres on it cover, by dimension: in 3D about that of the triangular lattice."""
+
+
+def _rough(scene: SoftScene) -> Complaints:
+    """The faults of glued spheres: without their wall, in a liquid that drags them, or more than have room on it."""
+    found: Complaints = []
+    given = [(index, one) for index, one in enumerate(scene.particles) if one.glued is not None]
+    dimensions, sides = dimensions_of(scene), sides_of(scene)
+    for index, one in given:
+        path = ("particles", index, "glued")
+        if one.glued not in [wall.side for wall in scene.walls]:
+            found.append((path, f'there is no {one.glued} wall; expected [[walls]] with side = "{one.glued}"'))
+        elif scene.hydrodynamics.drag != "none":
+            found.append((path, 'the drag of the liquid on a rough wall is not known; expected drag = "none"'))
+        elif one.count and sides:
+            axis = SIDES[one.glued][0]
+            disc = 2.0 if dimensions == 2 else math.pi
+            covered = disc * sum(
+                mean_power(other, dimensions - 1, other.number) * other.number
+                for _, other in given
+                if other.glued == one.glued
+            )
+            room = math.prod(sides) / sides[axis] * DENSEST_LAYER[dimensions]
+            if covered > room:
+                cause = f"{covered / room:.3g} times as many spheres as have room on the {one.glued} wall"
+                found.append((("particles", index, "count"), f"{cause}; expected fewer, or a larger cell.size"))
+    return found
 
 
 def _gravity(scene: SoftScene) -> Complaints:
@@ -561,8 +595,10 @@ def _preparation(scene: SoftScene) -> Complaints:
     spec = scene.preparation
     if spec is None:
         return []
-    if scene.cell is None or scene.walls:
-        return [(("preparation",), "is that of a [cell] without walls; walls have a pressure")]
+    if scene.cell is None:
+        return [(("preparation",), "is that of a [cell]; add that table")]
+    if scene.walls and (cause := _unpressed(scene, spec)):
+        return [(("preparation",), cause)]
     if fault := STRESS.fault(spec.pressure, dimensions_of(scene)):
         return [(("preparation", "pressure"), fault)]
     found: Complaints = []
@@ -576,6 +612,18 @@ def _preparation(scene: SoftScene) -> Complaints:
             cause = "cannot be reached after a preparation to a pressure; expected height_rate, normal_stress, pressure"
             found.append((("protocol", index, "scale"), cause))
     return found
+
+
+def _unpressed(scene: SoftScene, spec: PreparationSpec) -> str:
+    """The reason why no wall can compress a packing; empty without one."""
+    if spec.pressure is None:
+        return "to a volume fraction shortens all sides of a cell; between walls expected preparation.pressure"
+    pressed = [wall for wall in scene.walls if wall.pressure is not None]
+    if len(pressed) != 1:
+        return f"between walls is by the wall that has a pressure; expected one of them, got {len(pressed)}"
+    if scene.permeation is not None:
+        return "begins before liquid permeates the packing, which it would slow down; expected one of both"
+    return ""
 
 
 def _permeation(scene: SoftScene) -> Complaints:

@@ -36,6 +36,7 @@ from ecume.scenes.soft import SoftScene, expanded
 from ecume.show.curves import Frames, evolution, over_time, scaling, span, titled
 from ecume.show.soft.measures import MEASURE_FIGURES, require_box
 from ecume.show.soft.packing import Packing
+from ecume.show.soft.transients import TRANSIENT_FIGURES
 from ecume.show.style import INK, MUTED, PALETTE, figure, legend_outside, scale_for, style
 from ecume.trajectories.frame import Frame
 from ecume.units import Array
@@ -414,6 +415,7 @@ FLOW_FIGURES = {
     "creep": creep_curves,
     "moduli": storage_and_loss,
     "large-oscillation": large_oscillations,
+    **TRANSIENT_FIGURES,
 }
 
 

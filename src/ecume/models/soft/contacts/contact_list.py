@@ -91,6 +91,7 @@ def merged_order(rows: Integers, here: int) -> Integers:
 
 def open_all(parameters: Parameters, state: State) -> None:
     """Open the contacts at time 0."""
+    glue_spheres(parameters, state)
     update_wall_contacts(parameters, state)
     if np.isinf(parameters.contacts.fade_to):
         pair = np.stack(np.triu_indices(len(state.position), 1), axis=1).astype(np.int64)
@@ -101,12 +102,25 @@ def open_all(parameters: Parameters, state: State) -> None:
     _open(parameters, state, found)
 
 
+def glue_spheres(parameters: Parameters, state: State) -> None:
+    """Glue spheres to their walls where they are."""
+    sphere, wall = np.nonzero(parameters.walls.glue)
+    away = state.wall[wall, : state.position.shape[1]] - state.position[sphere]
+    state.touching[sphere, wall] = 1
+    state.slip[sphere, wall] = away / parameters.radius[sphere, None]
+
+
+def wall_films(parameters: Parameters, state: State) -> NDArray[np.bool_]:
+    """Whether there is a film between each sphere and each wall, (N, W); glued spheres have none to their wall."""
+    return np.asarray(state.touching.astype(np.bool_) & (parameters.walls.glue == 0.0))
+
+
 def update_wall_contacts(parameters: Parameters, state: State) -> bool:
     """Open and close contacts with walls at the present positions. Returns whether any changed."""
     touching, contacts = state.touching.astype(bool), parameters.contacts
     gap = wall_gaps(parameters, state.position, state.wall)
     fresh = ~touching & (gap < contacts.fade_from)
-    gone = touching & ~(state.wall_gap < log(contacts.fade_to))
+    gone = wall_films(parameters, state) & ~(state.wall_gap < log(contacts.fade_to))
     if not (fresh.any() or gone.any()):
         return False
     if (gap[fresh] <= 0.0).any():

@@ -39,6 +39,8 @@ class Spins(NamedTuple):
     """(S, N, s) m/s: its rate at each stage, with drag only"""
     drag: Array
     """(N,) N s/m at the equator"""
+    held: Array
+    """(N,) N/m: the resistance to a rotation since the start of the step, of spheres glued to a wall"""
     torque: Array
     """(N, s) N: external torques as forces at the equator, at load 1"""
     pair_blocks: Array
@@ -111,7 +113,7 @@ def load_torques(spins: Spins, right: Array, factor: float, during: tuple[float,
     width = spins.turn.shape[1]
     for i in range(len(spins.drag)):
         for k in range(width):
-            value = factor * spins.torque[i, k]
+            value = factor * spins.torque[i, k] - spins.held[i] * spins.turn[i, k]
             if spins.drag[i] > 0.0:
                 along = spins.radius[i] * swirl if k == width - 1 else 0.0
                 value -= spins.drag[i] * (spins.turn[i, k] - spins.start[i, k] - along) / span
@@ -197,8 +199,10 @@ def carry(turn: Array, direction: Array) -> None:
             direction[c, k] = n[k] / length
 
 
-def make_spins(radius: Array, drag: Array, torque: Array, shape: tuple[int, int, int]) -> Spins:
-    """Spins at the start of a step; `shape` contains the numbers of stages, of contacts, and of unknowns per sphere."""
+def make_spins(radius: Array, resistance: tuple[Array, Array], torque: Array, shape: tuple[int, int, int]) -> Spins:
+    """Spins at the start of a step; `resistance` is drag, and glue that holds them; `shape` contains the numbers of
+    stages, of contacts, and of unknowns per sphere.
+    """
     stages, contacts, width = shape
     count, spin = torque.shape
     return Spins(
@@ -206,7 +210,8 @@ def make_spins(radius: Array, drag: Array, torque: Array, shape: tuple[int, int,
         turn=np.zeros((count, spin)),
         start=np.zeros((count, spin)),
         slope=np.zeros((stages, count, spin)),
-        drag=drag,
+        drag=resistance[0],
+        held=resistance[1],
         torque=torque,
         pair_blocks=np.zeros((contacts if spin else 0, 4, width, width)),
     )

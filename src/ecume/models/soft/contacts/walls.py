@@ -4,6 +4,9 @@ A wall is the limit of a sphere with infinite radius: R* = R, and its normal nev
 and surface in series as between spheres, but the gap vector slips along the wall instead of rotating. Normals point
 from the spheres to the wall; distances and slips are those of the wall relative to the sphere. The position of a wall
 on which a force acts is an unknown of each stage, like the strain of a stress-controlled box.
+
+Spheres that are glued to a wall make it rough. In place of film and surface they have a linear spring, which keeps
+the vector to the wall: `glue`.
 """
 
 from __future__ import annotations
@@ -75,9 +78,11 @@ class Touches(NamedTuple):
     wall: Integers
     radius: Array
     modulus: Array
+    glue: Array
+    """(C,) N/m: the stiffness of the glue; 0 where there is a film"""
     log_gap: Array
     slip: Array
-    """(C, 3) tangential displacement of the gap vector, in radii"""
+    """(C, 3) tangential displacement of the gap vector, in radii; with glue the whole vector"""
     log_gap_start: Array
     slip_start: Array
     log_gap_before: Array
@@ -112,7 +117,7 @@ def no_walls() -> Walls:
     return Walls(
         places,
         Touches(
-            no_owners, no_owners, line, line, line, none, line, none, line, none, rates[None], none, none,
+            no_owners, no_owners, line, line, line, line, none, line, none, line, none, rates[None], none, none,
             np.zeros((0, 3, 3)), rates, np.zeros((0, 4, 3)), rates,
         ),
     )  # fmt: skip
@@ -177,6 +182,9 @@ def wall_response(walls: Walls, contacts: Contacts, position: Array, turn: Array
         x = wall_distance(walls, position, turn, c)
         pull = dot(x, n)
         apart = (x[0] - radius * slip[c, 0], x[1] - radius * slip[c, 1], x[2] - radius * slip[c, 2])
+        if touches.glue[c] > 0.0:
+            store_glue_response(touches, apart, c)
+            continue
         frame = frame_of(apart, n, position.shape[1] == 2)
         body = Body(radius, radius, touches.modulus[c], 0.0, 0.0)
         film = film_of(contacts, body, touches.log_gap[c], pull, dot(apart, frame.t))
@@ -188,6 +196,21 @@ def wall_response(walls: Walls, contacts: Contacts, position: Array, turn: Array
         missing = touches.log_gap_start[c] - touches.log_gap[c]
         begin = Start(span, missing, 1.0, dot(frame.t, b), dot(frame.s, b))
         store_wall_response(linearized(flattened(film, FAR * radius), begin), frame, touches, c)
+
+
+@compiled_inside
+def store_glue_response(touches: Touches, apart: Vector, c: int) -> None:
+    """Store the force of the glue, by the displacement of the wall from its place relative to the sphere."""
+    stiffness, shift, now = touches.glue[c], touches.shift, touches.now
+    for k in range(3):
+        touches.force[c, k] = stiffness * (apart[0] if k == 0 else apart[1] if k == 1 else apart[2])
+        touches.correction[c, k] = 0.0
+        for m in range(3):
+            touches.stiffness[c, k, m] = stiffness if k == m else 0.0
+    for k in range(4):
+        shift[c, k] = now[c, k] = 0.0
+        for m in range(3):
+            touches.response[c, k, m] = 0.0
 
 
 @compiled_inside
@@ -298,6 +321,9 @@ def wall_energy(walls: Walls, contacts: Contacts, position: Array, turn: Array) 
         x = wall_distance(walls, position, turn, c)
         pull, slip = dot(x, n), touches.slip
         apart = (x[0] - radius * slip[c, 0], x[1] - radius * slip[c, 1], x[2] - radius * slip[c, 2])
+        if touches.glue[c] > 0.0:
+            total += 0.5 * touches.glue[c] * dot(apart, apart)
+            continue
         body = Body(radius, radius, touches.modulus[c], 0.0, 0.0)
         gap, square = math.exp(touches.log_gap[c]), square_across(apart, n)
         total += contact_energy(contacts, body, gap, pull - radius - gap, square)

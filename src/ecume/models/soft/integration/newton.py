@@ -30,6 +30,7 @@ from ecume.models.soft.cell import (
 from ecume.models.soft.contacts.contact import ROUNDING
 from ecume.models.soft.contacts.films import ContactResponses, Films, Pairs, center_distance, contact_response
 from ecume.models.soft.contacts.rotation import (
+    Spins,
     add_torques,
     fill_pair_blocks,
     fill_rotation_sides,
@@ -197,7 +198,7 @@ def assemble_jacobian(step: Step, span: float) -> None:
     """Assemble the matrix of Newton's method: the negative derivative of forces by displacements."""
     bodies, spins, pattern, numbers = step.bodies, step.spins, step.matrix.pattern, step.matrix.blocks
     dimensions, width = bodies.position.shape[1], bodies.diagonal.shape[1]
-    set_diagonal(bodies, spins.drag, span)
+    set_diagonal(bodies, spins, span)
     if width > dimensions:
         fill_pair_blocks(step.pairs, step.responses, spins, bodies.position)
         block_matrix.assemble_pair_blocks(step.matrix, spins.pair_blocks, bodies.diagonal)
@@ -210,13 +211,13 @@ def assemble_jacobian(step: Step, span: float) -> None:
 
 
 @compiled
-def set_diagonal(bodies: Bodies, spin_drag: Array, span: float) -> None:
-    """Set the diagonal of the matrix to the drag of the liquid and the anchors of free pieces."""
+def set_diagonal(bodies: Bodies, spins: Spins, span: float) -> None:
+    """Set the diagonal of the matrix to the drag of the liquid, the anchors of free pieces, and what glue holds."""
     dimensions = bodies.position.shape[1]
     for i in range(len(bodies.drag)):
         for k in range(bodies.diagonal.shape[1]):
-            drag = bodies.drag[i] if k < dimensions else spin_drag[i]
-            bodies.diagonal[i, k] = bodies.anchor[i] + (drag / span if span > 0.0 else 0.0)
+            drag, held = (bodies.drag[i], 0.0) if k < dimensions else (spins.drag[i], spins.held[i])
+            bodies.diagonal[i, k] = bodies.anchor[i] + held + (drag / span if span > 0.0 else 0.0)
 
 
 def count_links(pattern: Pattern, *_: object) -> int:

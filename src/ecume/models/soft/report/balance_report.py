@@ -13,14 +13,14 @@ from collections import deque
 import numpy as np
 
 from ecume.engine.cells import Integers
-from ecume.engine.linear_solvers.block_matrix import Matrix
 from ecume.models.soft.cell import WIDTH, StageTarget
+from ecume.models.soft.contacts.contact_list import wall_films
 from ecume.models.soft.integration.linear_solvers import begin_step
 from ecume.models.soft.integration.newton import assemble_jacobian, fill_borders
 from ecume.models.soft.parameters import Parameters
 from ecume.models.soft.protocol import Drive, Rules
 from ecume.models.soft.report.observation import SIDE_NAMES
-from ecume.models.soft.state import State, Workspace
+from ecume.models.soft.state import State, Step, Workspace
 from ecume.units import Array, with_prefix
 
 HELD = 1e-9
@@ -125,14 +125,17 @@ def rolling(parameters: Parameters, scratch: Workspace, drive: Drive, load: floa
     begin_step(parameters, step, drive)
     assemble_jacobian(step, 0.0)
     work = float((pull.ravel() * _softened(scratch, pull.reshape(1, -1))[0]).sum())
-    if work * mean_stiffness(step.matrix) < YIELDING * float((pull**2).sum()):
+    if work * mean_stiffness(step) < YIELDING * float((pull**2).sum()):
         return ""
     return f"no film resists the forces: spheres roll around each other at once; {remedies(parameters)}"
 
 
-def mean_stiffness(matrix: Matrix) -> float:
-    """The mean of the diagonal (N/m)."""
-    blocks = matrix.blocks[matrix.pattern.diagonal]
+def mean_stiffness(step: Step) -> float:
+    """The mean of the diagonal (N/m), without glued spheres, whose glue is far stiffer."""
+    glued = np.zeros(len(step.bodies.position), np.bool_)
+    if step.walls:
+        glued[step.walls.touches.first[step.walls.touches.glue > 0.0]] = not glued.all()
+    blocks = step.matrix.blocks[step.matrix.pattern.diagonal[~glued]]
     return float(np.abs(np.trace(blocks, axis1=1, axis2=2)).mean() / blocks.shape[1])
 
 
@@ -144,7 +147,7 @@ def _softened(scratch: Workspace, columns: Array) -> Array:
     matrix = scratch.step.matrix
     pattern, blocks = matrix.pattern, matrix.blocks
     whole = bsr_array((blocks, pattern.column, pattern.start)).tocsc()
-    held = whole + HELD * float(np.abs(whole.diagonal()).mean()) * eye_array(whole.shape[0])
+    held = whole + HELD * mean_stiffness(scratch.step) * eye_array(whole.shape[0])
     width, bodies = blocks.shape[1], (-1, len(pattern.order), blocks.shape[1])
     ordered = columns.reshape(bodies)[:, pattern.order].reshape(len(columns), -1)
     found = np.array([spsolve(held.tocsc(), column) for column in ordered])
@@ -174,10 +177,18 @@ def unbalanced(parameters: Parameters, scratch: Workspace, at: tuple[Drive, Rule
     return cause if parameters.drag.any() else f"{cause}, or {remedies(parameters)}"
 
 
+def is_met(parameters: Parameters, state: State, wall: int) -> bool:
+    """Whether a film leads to a wall, or to a sphere that is glued to it, from a sphere that is not."""
+    glued = parameters.walls.glue[:, wall] > 0.0
+    pair = state.pair[: state.contacts[0]]
+    beside = glued[pair].sum(axis=1) == 1
+    return bool(beside.any() or wall_films(parameters, state)[:, wall].any())
+
+
 def unmet_wall(parameters: Parameters, state: State) -> str:
     """A sentence on a movable wall without films; empty if each has some."""
     for wall, axis in parameters.walls.free:
-        if not state.touching[:, wall].any() and parameters.walls.force[wall, axis] != 0.0:
+        if not is_met(parameters, state, wall) and parameters.walls.force[wall, axis] != 0.0:
             inward = parameters.walls.surfaces.place[wall]
             name = SIDE_NAMES[int(np.flatnonzero(inward)[0]), -float(inward.sum())]
             return f"no film holds the {name} wall against its stress; move it to the spheres with walls.position"

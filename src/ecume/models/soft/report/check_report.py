@@ -16,13 +16,14 @@ from ecume.models.law_codes import code_of
 from ecume.models.liquids import material_of
 from ecume.models.model import LONG, Row
 from ecume.models.size_report import sizes_rows
+from ecume.models.soft.contacts.contact_list import wall_films
 from ecume.models.soft.integration.dirk_schemes import SCHEMES
 from ecume.models.soft.integration.linear_solvers import FEW
 from ecume.models.soft.parameters import Parameters
 from ecume.models.soft.protocol import LOAD, NORMAL, SHEAR, STRAIN, WALL_SHEAR
 from ecume.models.soft.report.observation import STRESS, widths
 from ecume.models.soft.report.permeation_report import PORE, permeation_rows
-from ecume.models.soft.setup import fillings, prefactors_of
+from ecume.models.soft.setup import compression_rate, fillings, prefactors_of
 from ecume.models.soft.state import State
 from ecume.scenes.soft import SoftScene, dimensions_of, first_fraction, sides_of, tension_law_of
 from ecume.units import Array, duration_text, size_text, with_prefix
@@ -54,7 +55,7 @@ def typical_pair(scene: SoftScene, parameters: Parameters, state: State) -> Expe
     radius, modulus = float(np.median(parameters.radius)), float(np.median(parameters.modulus))
     liquid = material_of(scene.liquid)
     pair = SoftPair(radius, modulus, liquid.viscosity, prefactors_of(scene.films))
-    gaps = log_gaps_of(state)
+    gaps = log_gaps_of(parameters, state)
     # Half of the connected pairs are distant: of the closer half, as many as there are contacts with forces.
     gap = math.exp(np.quantile(gaps, 0.25)) if len(gaps) else math.nan
     found = forces(scene, parameters, pair, gap)
@@ -62,9 +63,9 @@ def typical_pair(scene: SoftScene, parameters: Parameters, state: State) -> Expe
     return Expected(pair, found.get(source, 0.0), source, gap, liquid.surface_tension or math.nan)
 
 
-def log_gaps_of(state: State) -> Array:
-    """ln(gap) of all contacts, those with walls included."""
-    return np.append(state.log_gap[: state.contacts[0]], state.wall_gap[state.touching.astype(bool)])
+def log_gaps_of(parameters: Parameters, state: State) -> Array:
+    """ln(gap) of all films, those with walls included."""
+    return np.append(state.log_gap[: state.contacts[0]], state.wall_gap[wall_films(parameters, state)])
 
 
 def forces(scene: SoftScene, parameters: Parameters, pair: SoftPair, gap: float) -> dict[str, float]:
@@ -125,7 +126,7 @@ def sheared_force(pair: SoftPair, gap: float, rate: float, strain: float) -> flo
 
 
 def _initial_state(scene: SoftScene, parameters: Parameters, state: State) -> list[Row]:
-    count, contacts, at_walls = len(parameters.radius), int(state.contacts[0]), int(state.touching.sum())
+    count, contacts, at_walls = len(parameters.radius), int(state.contacts[0]), int(wall_films(parameters, state).sum())
     where = "2D (a layer)" if parameters.dimensions == 2 else "3D"
     rows = [
         ("spheres", str(count), f"{len(scene.particles)} species, {where}"),
@@ -134,16 +135,24 @@ def _initial_state(scene: SoftScene, parameters: Parameters, state: State) -> li
     if scene.gravity is not None:
         rows.append(("gravity", *gravity_text(scene.gravity)))
     rows += sizes_rows(parameters.radius)
+    rows += [
+        ("rough wall", one.glued, f"{one.number} spheres of {name.name} are glued to it")
+        for one, name in zip(scene.particles, scene.kinds, strict=True)
+        if one.glued is not None
+    ]
     if (filled := fillings(parameters)) > 0.0:
         jammed = jamming_fraction(parameters.radius, parameters.dimensions)
         remark = f"at most; random packings of these sizes jam at {jammed:.3g}"
         rows.append(("volume fraction", f"{filled:.4g}", remark))
     if (spec := scene.preparation) is not None:
+        rate = compression_rate(scene, parameters)
         unit, fraction = STRESS[parameters.dimensions], spec.volume_fraction or 0.0
         goal = f"{fraction:g}" if spec.pressure is None else with_prefix(spec.pressure, unit, 3)
-        remark = f"before time 0, from a volume fraction of {first_fraction(scene):.4g} at {spec.rate:g}/s"
+        remark = f"before time 0, from a volume fraction of {first_fraction(scene):.4g} at {rate:.3g}/s"
         rows.append(("compressed to", goal, remark))
-    gaps = log_gaps_of(state)
+        remark = f"by which forces on contacts still change within {duration_text(1.0 / rate)} when time 0 begins"
+        rows.append(("relaxed to", f"{spec.relaxed:g}", remark))
+    gaps = log_gaps_of(parameters, state)
     narrowest = math.exp(gaps.min()) if len(gaps) else math.inf
     return [
         *rows,

@@ -14,6 +14,7 @@ import math
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ecume._jit import compiled, compiled_inside, composed, prange, shared, where_there
 from ecume._portable import exp
@@ -33,7 +34,7 @@ from ecume.models.soft.contacts.contact import (
 from ecume.models.soft.contacts.films import Films, Pairs, center_distance, stored_energy, turned
 from ecume.models.soft.contacts.rotation import Spins, carry
 from ecume.models.soft.contacts.user_forces import user_energies
-from ecume.models.soft.contacts.walls import Walls, normal_of, wall_distance, wall_energy
+from ecume.models.soft.contacts.walls import Touches, Walls, normal_of, wall_distance, wall_energy
 from ecume.models.soft.integration.dirk_schemes import Scheme
 from ecume.models.soft.integration.newton import CHUNK
 from ecume.models.soft.medium import OPEN
@@ -176,15 +177,17 @@ def add_walls(walls: Walls, contacts: Contacts, at: tuple[Array, Array, Array, A
         n, x = normal_of(places, w), wall_distance(walls, position, turn, c)
         slip = (touches.slip[c, 0], touches.slip[c, 1], touches.slip[c, 2])
         f = (touches.force[c, 0], touches.force[c, 1], touches.force[c, 2])
+        for k in range(3):
+            power = touches.force[c, k] * places.slope[stage, w, k]
+            prescribed = places.velocity[w, k] != 0.0
+            driven, answered = driven + (power if prescribed else 0.0), answered + (0.0 if prescribed else power)
+        if touches.glue[c] > 0.0:
+            continue
         gap, opening = math.exp(touches.log_gap[c]), touches.rate[stage, c, 0]
         sliding = (touches.rate[stage, c, 1], touches.rate[stage, c, 2], touches.rate[stage, c, 3])
         film += gap * opening * (dot(f, n) + remote_force_and_slope(gap, radius, contacts)[0]) + radius * dot(
             f, sliding
         )
-        for k in range(3):
-            power = touches.force[c, k] * places.slope[stage, w, k]
-            prescribed = places.velocity[w, k] != 0.0
-            driven, answered = driven + (power if prescribed else 0.0), answered + (0.0 if prescribed else power)
         apart = (x[0] - radius * slip[0], x[1] - radius * slip[1], x[2] - radius * slip[2])
         stretch, square = dot(x, n) - radius - gap, square_across(apart, n)
         body = Body(radius, radius, touches.modulus[c], 0.0, 0.0)
@@ -306,7 +309,9 @@ def remote_energy(contacts: Contacts, step: Step) -> float:
     pairs, log_gap = step.pairs, step.films.log_gap
     found = across_energy(contacts, log_gap, pairs.reduced_radius)
     if step.walls:
-        found += across_energy(contacts, step.walls.touches.log_gap, step.walls.touches.radius)
+        touches = step.walls.touches
+        films = touches.glue == 0.0
+        found += across_energy(contacts, touches.log_gap[films], touches.radius[films])
     if pairs.laws:
         found += user_energies(pairs.laws, log_gap).sum()
         if contacts.fade_from < math.inf:
@@ -333,13 +338,20 @@ def stake(step: Step) -> float:
     if not step.walls:
         return between
     places, touches = step.walls
-    return between + _stake(touches.force, places.normal[touches.wall], exp(touches.log_gap), touches.radius)
+    films = touches.glue == 0.0
+    force, normal, gap = touches.force[films], places.normal[touches.wall[films]], exp(touches.log_gap[films])
+    return between + _stake(force, normal, gap, touches.radius[films])
 
 
 def _stake(force: Array, normal: Array, gap: Array, radius_sum: Array) -> float:
     pull = np.abs((force * normal).sum(axis=1))
     along = np.sqrt(np.maximum((force**2).sum(axis=1) - pull**2, 0.0))
     return float((pull * gap + along * (radius_sum + gap)).sum())
+
+
+def faded_at_walls(touches: Touches, far: float) -> NDArray[np.bool_]:
+    """Whether the film of each contact with a wall has faded: its ln(gap) is beyond `far`."""
+    return np.asarray((touches.log_gap >= far) & (touches.glue == 0.0))
 
 
 def energy_of_faded(contacts: Contacts, step: Step) -> float:
@@ -352,8 +364,8 @@ def energy_of_faded(contacts: Contacts, step: Step) -> float:
         pairs = step.pairs._replace(**{name: getattr(step.pairs, name)[faded] for name in OF_CONTACTS})
         films = Films._make(array[faded] for array in step.films)
         total += stored_energy(contacts, pairs, films, step.bodies.position)
-    if (walls := step.walls) and (gone := np.flatnonzero(walls.touches.log_gap >= far)).size:
-        used = ("first", "wall", "radius", "modulus", "log_gap", "slip")
+    if (walls := step.walls) and (gone := np.flatnonzero(faded_at_walls(walls.touches, far))).size:
+        used = ("first", "wall", "radius", "modulus", "glue", "log_gap", "slip")
         touches = walls.touches._replace(**{name: getattr(walls.touches, name)[gone] for name in used})
         position = step.bodies.position
         total += wall_energy(Walls(walls.places, touches), contacts, position, position[:, :0])

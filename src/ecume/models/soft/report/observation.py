@@ -20,6 +20,7 @@ from ecume.laws.soft_contacts import DEFINITE, TANGENTIAL, TENSION
 from ecume.models.invariants import DISSIPATED
 from ecume.models.invariants import INJECTED as INJECTED_WORK
 from ecume.models.soft.cell import STRAIN, TILT, WIDTH, Box
+from ecume.models.soft.contacts.contact_list import wall_films
 from ecume.models.soft.contacts.tree_search import box_in, image_indices, wrapped
 from ecume.models.soft.contacts.walls import all_walls
 from ecume.models.soft.integration.linear_solvers import begin_step
@@ -91,7 +92,7 @@ def between(state: State, box: Box) -> Array:
 
 
 def _of_walls(parameters: Parameters, state: State) -> Deflections:
-    first, wall = np.nonzero(state.touching)
+    first, wall = np.nonzero(wall_films(parameters, state))
     dimensions, radius = state.position.shape[1], parameters.radius[first]
     normal = -parameters.walls.surfaces.place[wall, :dimensions]
     gap = exp(state.wall_gap[first, wall])
@@ -245,7 +246,9 @@ SIDE_NAMES = {place: name for name, place in SIDES.items()}
 CLOSE = 0.1
 """The largest gap of neighbors in `coordination` and `mean_gap`, over the smaller radius."""
 SIZE_WORK, STAKE = "size_work", "contact_work"
+PREPARATION = ("preparation_time", "preparation_change")
 UNITS = {
+    "preparation_time": "s",
     "position": "m",
     "velocity": "m/s",
     "radius": "m",
@@ -272,7 +275,7 @@ def observe(parameters: Parameters, state: State, scratch: Workspace) -> Frame:
     drive = drive_at(parameters.protocol, float(state.pace[CLOCK]))
     step, box = scratch.step, box_in(parameters, state)
     begin_step(parameters, step, drive)
-    gap = exp(step.log_gap)
+    gap, beside = exp(step.log_gap), exp(state.wall_gap[wall_films(parameters, state)])
     tension = (step.responses.force * step.direction).sum(axis=1)
     contacts, unlisted = listed(parameters, state, step)
     arrays = {
@@ -287,7 +290,7 @@ def observe(parameters: Parameters, state: State, scratch: Workspace) -> Frame:
     }
     numbers = {
         "elastic_energy": (held := elastic_energy(parameters.contacts, step)),
-        "smallest_gap": float(np.append(gap, exp(all_walls(step.walls).touches.log_gap)).min(initial=np.inf)),
+        "smallest_gap": float(np.append(gap, beside).min(initial=np.inf)),
         **_neighbors(parameters, step),
         **_wall_numbers(parameters, state, step),
         **pressure_numbers(step.permeation, wall_names(parameters)),
@@ -302,7 +305,7 @@ def observe(parameters: Parameters, state: State, scratch: Workspace) -> Frame:
         "time_steps": float(state.tally[ACCEPTED]),
         "rejected_steps": float(state.tally[REJECTED] + state.tally[FAILED]),
     }
-    numbers |= _budget(parameters, state, step, held)
+    numbers |= _budget(parameters, state, step, held) | _preparation_numbers(state)
     if not parameters.box[: parameters.dimensions].all():
         sides = _sides(box)
         units = UNITS | _wall_units(numbers) | dict.fromkeys(sides, "m")
@@ -363,6 +366,11 @@ def _budget(parameters: Parameters, state: State, step: Step, held: float) -> di
     numbers |= {DISSIPATED: state.budget[FILMS] + state.budget[DRAG], SIZE_WORK: state.budget[SIZE]}
     numbers |= {STAKE: stake(step)}
     return remote | {name: float(value) for name, value in numbers.items()}
+
+
+def _preparation_numbers(state: State) -> dict[str, float]:
+    """How the preparation ended: its duration, and the last change of contact forces over these."""
+    return dict(zip(PREPARATION, map(float, state.prepared), strict=False))
 
 
 def wall_names(parameters: Parameters) -> list[str]:
