@@ -1,6 +1,7 @@
 """What holds for every shape of a dish, in the model, in pictures, on the page and at play."""
 
 import dataclasses
+import itertools
 import math
 import re
 
@@ -24,7 +25,7 @@ from ecume.show.view.scenery import STAGES
 from ecume.simulation import simulate
 
 FLOATING = MODELS["floating"]
-SIZES = {"radius": "0.02", "size": "[0.04, 0.03]"}
+SIZES = {"radius": "0.02", "size": "[0.04, 0.03]", "vertices": "[[-0.02, -0.015], [0.025, -0.015], [-0.01, 0.025]]"}
 """A dish of each key."""
 RADIUS = 1e-3
 KNOWN = [name for name, row in SHAPES.items() if row.meniscus is not None]
@@ -165,10 +166,41 @@ def test_one_can_play_with_it(name):
 def test_a_size_under_another_key_is_refused(name):
     scene = scene_in(name, "count = 1")
     key = next(key for key in SIZES if key != SHAPES[name].key)
-    wrong = {"radius": None, "size": None, key: 0.02 if key == "radius" else (0.04, 0.03)}
+    wrong = {"radius": None, "size": None, "vertices": None, key: 0.02 if key == "radius" else (0.04, 0.03)}
     dish = dataclasses.replace(scene.dish, **wrong)
     with pytest.raises(SceneError, match=f"takes '{SHAPES[name].key}'"):
         FLOATING.parameters(dataclasses.replace(scene, dish=dish))
+
+
+@pytest.mark.parametrize(
+    ("vertices", "why"),
+    [
+        ([[0.01, 0.01], [0.03, 0.01], [0.02, 0.03]], "origin"),
+        ([[-0.03, -0.02], [0.03, -0.02], [0.0, 0.01], [0.0, 0.04]], "not convex"),
+    ],
+)
+def test_a_polygon_that_holds_no_raft_is_refused(vertices, why):
+    scene = scene_in("polygon", "count = 1")
+    dish = dataclasses.replace(scene.dish, vertices=vertices)
+    with pytest.raises(SceneError, match=rf"dish\.vertices: .*{why}"):
+        FLOATING.parameters(dataclasses.replace(scene, dish=dish))
+
+
+def test_floats_in_a_triangle_keep_their_energy_and_stay_inside():
+    """At short steps: in a sharp corner, a second collision within a step is plastic."""
+    frames = {}
+    for step in (1e-3, 5e-3):
+        scene = scene_in("polygon", "count = 12\nvelocity = [0.04, 0.03]", duration=3.0, frame_every=0.5,
+                         dish='law = "none"\nrestitution = 1.0')  # fmt: skip
+        frames[step] = list(simulate(scene.replace("integration.time_step", step)))
+        walls = walls_of(scene.dish)
+        for frame in frames[step]:
+            nearest = min(min(surfaces.clearances(walls, place)) for place in frame.arrays["position"])
+            assert nearest > RADIUS * (1.0 - 1e-3)
+    fine, coarse = ([frame.numbers["kinetic_energy"] for frame in each] for each in frames.values())
+    assert frames[1e-3][-1].numbers["collisions"] > 100
+    assert fine == pytest.approx([fine[0]] * len(fine), rel=1e-12)
+    assert all(after <= before * (1.0 + 1e-12) for before, after in itertools.pairwise(coarse))
 
 
 def test_a_shape_that_does_not_exist_is_refused():
@@ -180,7 +212,7 @@ def test_a_shape_that_does_not_exist_is_refused():
 def test_a_new_row_does_not_change_dishes_without_a_name(monkeypatch):
     first = {"other": SHAPES["round"]._replace(meniscus=None)} | SHAPES
     monkeypatch.setattr(dishes, "SHAPES", first)
-    for key, shape in (("radius", "round"), ("size", "rectangle")):
+    for key, shape in (("radius", "round"), ("size", "rectangle"), ("vertices", "polygon")):
         scene = scene_of(f"{WATER}[[particles]]\nradius = 1e-3\ndensity = 600.0\ncontact_angle = 1.2\n[dish]\n"
                          f"{key} = {SIZES[key]}\n")  # fmt: skip
         assert dishes.name_of(scene.dish) == shape

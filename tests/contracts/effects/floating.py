@@ -178,6 +178,9 @@ EFFECTS = {
     "rows.color": of("orange", PICTURE, rows=[{**ROW["rows"][0], "species_name": "pearl"}]),
     "dish.shape": of("round", REFUSED, dish={"size": [0.02, 0.02]}),
     "dish.radius": of(0.012, **DISH),
+    "dish.vertices": of(
+        [[-9e-3, -9e-3], [9e-3, -9e-3], [0.0, 9e-3]], REFUSED, dish={"size": [0.02, 0.02], "law": "none"}
+    ),
     "dish.size": of([0.02, 0.03], dish={"size": [0.02, 0.02], "contact_angle": 1.0}),
     "dish.contact_angle": of(1.3, **DISH),
     "dish.law": of("linear", **DISH),

@@ -372,7 +372,7 @@ class Shape(NamedTuple):
     """A row of the table: the shape of a dish and everything that depends on it."""
 
     key: str
-    """the key of `[dish]` that gives its size, `radius` or `size`"""
+    """the key of `[dish]` that gives its size: `radius`, `size` or `vertices`"""
     surfaces: Callable[[Any], Surfaces]
     """surfaces(the value of that key): a convex 2D shape around the origin"""
     meniscus: Meniscus | None
@@ -396,9 +396,15 @@ SHAPES = {
         FACING,
         wavenumber=lambda walls: 0.5 * math.pi / max(surfaces.bounds(walls)[1]),
     ),
+    "polygon": Shape(
+        "vertices",
+        surfaces.polygon,
+        None,
+        no_meniscus="the menisci of two walls meet in a corner, and they are known for right angles only",
+    ),
 }
 """The shapes by the names of `dish.shape`."""
-UNNAMED = {"radius": "round", "size": "rectangle"}
+UNNAMED = {"radius": "round", "size": "rectangle", "vertices": "polygon"}
 """The shape of a dish without a name, by the key of its size."""
 
 
@@ -414,11 +420,16 @@ def name_of(dish: DishSpec) -> str:
 
 
 def walls_of(dish: DishSpec | None) -> Walls:
-    """The walls, at least a radius away from all centers; no walls without a dish."""
+    """The walls, at least a radius away from all centers; no walls without a dish. Raises SceneError for a shape that
+    is not convex, or does not contain the origin.
+    """
     if dish is None:
         return no_walls()
     row = SHAPES[name_of(dish)]
-    return enclosed_by(row.surfaces(getattr(dish, row.key)))
+    try:
+        return enclosed_by(row.surfaces(getattr(dish, row.key)))
+    except BadInput as fault:
+        raise scene_error(f"dish.{row.key}", str(fault)) from fault
 
 
 def outline_of(dish: DishSpec) -> Array:

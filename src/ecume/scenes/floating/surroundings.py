@@ -43,6 +43,7 @@ from ecume.units import ROOM, Force, Number, Rate, Unit
 
 Torque = Annotated[float, Unit("N*m")]
 FluxDensity = Annotated[float, Unit("T"), Field(ge=-10.0, le=10.0)]
+Corners = Annotated[tuple[tuple[Coordinate, Coordinate], ...], Field(min_length=3, max_length=100)]
 TABLE = "velocity_from"
 COLUMNS = {"x": "m", "y": "m", "vx": "m/s", "vy": "m/s"}
 EVEN = 1e-6
@@ -240,14 +241,17 @@ class DishSpec:
     """A dish around the origin. A scene without one is an endless surface."""
 
     shape: LawName | None = None
-    """The shape of the dish, such as `round` or `rectangle`; by default the one whose size is given. Effect:
+    """The shape of the dish, such as `round`, `rectangle` or `polygon`; by default the one whose size is given. Effect:
     determines where the wall is."""
     radius: Size | None = None
-    """The radius of a round dish (m); either this or `size`. Effect: a larger dish lengthens the times until floats
-    meet."""
+    """The radius of a round dish (m); either this, `size` or `vertices`. Effect: a larger dish lengthens the times
+    until floats meet."""
     size: tuple[Size, Size] | None = None
     """The width and height of a rectangular dish, seen from above (m). Effect: a larger dish lengthens the times
     until floats meet."""
+    vertices: Corners | None = None
+    """The corners of a convex dish (m), one after the other in either direction, with the origin inside. Example:
+    `[[-0.03, -0.02], [0.03, -0.02], [0.0, 0.04]]`. Effect: determines where the walls are."""
     contact_angle: WettingAngle = 0.7853981633974483
     """The contact angle of the liquid at the wall (rad). Effect: below 90 deg the liquid rises at the wall, which
     attracts light floats and repels heavy ones."""
@@ -272,9 +276,11 @@ class DishSpec:
 
     @model_validator(mode="after")
     def _one_shape(self) -> Self:
-        if (self.radius is None) == (self.size is None):
-            got = "neither" if self.radius is None else "both"
-            raise Inconsistent([((), f"expected either radius or size; got {got}")])
+        given = [key for key in ("radius", "size", "vertices") if getattr(self, key) is not None]
+        if len(given) != 1:
+            raise Inconsistent(
+                [((), f"expected one of radius, size and vertices; got {' and '.join(given) or 'none'}")]
+            )
         _require_rubbing(self)
         return self
 

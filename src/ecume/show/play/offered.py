@@ -15,11 +15,11 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ecume.engine.walls import wall_count
+from ecume.engine.walls import surfaces, wall_count
 from ecume.errors import BadInput
 from ecume.laws import drag
 from ecume.models import MODELS
-from ecume.models.floating.dishes import outline_of, wall_strengths
+from ecume.models.floating.dishes import outline_of, wall_strengths, walls_of
 from ecume.models.floating.parameters import Floats, Parameters, make_state, make_workspace
 from ecume.models.floating.setup.kinds import FloatKind, float_kind
 from ecume.models.floating.time_integration.integration import make_scratch
@@ -97,12 +97,12 @@ def species_of(scene: FloatingScene, *, shelf: bool = True) -> list[FloatSpec]:
 
 def dishes_of(dish: DishSpec) -> dict[str, DishSpec]:
     """The dish, and dishes of other shapes and of the same area."""
-    area = math.pi * dish.radius**2 if dish.radius is not None else float(np.prod(dish.size or ()))
+    area = surfaces.area(walls_of(dish))
     side, bare = math.sqrt(area), dataclasses.replace(dish, shape=None)
     shapes: dict[str, dict[str, Any]] = {
-        "round": {"radius": math.sqrt(area / math.pi), "size": None},
-        "square": {"radius": None, "size": (side, side)},
-        "long": {"radius": None, "size": (math.sqrt(2.0) * side, side / math.sqrt(2.0))},
+        "round": {"radius": math.sqrt(area / math.pi), "size": None, "vertices": None},
+        "square": {"radius": None, "size": (side, side), "vertices": None},
+        "long": {"radius": None, "size": (math.sqrt(2.0) * side, side / math.sqrt(2.0)), "vertices": None},
     }
     found = {AS_GIVEN: dish}
     for name, shape in shapes.items():
