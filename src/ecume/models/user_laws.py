@@ -41,9 +41,9 @@ KEY = 32
 """The number of letters of a digest."""
 
 
-def compiled_for_laws(function: Law) -> Law:
-    """Compile a function of the user, or one around it. It is cached on disk unless it names objects that cannot be
-    described; its name contains its content, since code is linked by names.
+def compiled_for_laws(function: Law, compiler: Callable[..., Any] = compiled) -> Law:
+    """Compile a function of the user, or one around it, by a decorator of `_jit`. It is cached on disk unless it names
+    objects that cannot be described; its name contains its content, since code is linked by names.
     """
     if not isinstance(function, FunctionType) or (key := exact_digest(function)) is None:
         return compiled_once(function)
@@ -52,7 +52,7 @@ def compiled_for_laws(function: Law) -> Law:
     )
     own.__kwdefaults__, own.__module__ = function.__kwdefaults__, function.__module__
     own.__qualname__ = f"{function.__qualname__}_{key}"
-    made: Any = compiled(own)
+    made: Any = compiler(own)
     kept: Law = made
     return kept
 

@@ -107,10 +107,11 @@ def within_period(value: float, low: float, period: float) -> float:
 
 
 def _velocity_at(velocity: Callable[..., Vector], dimensions: int) -> Callable[[Current, Vector, Instant], Vector]:
-    """The velocity of the whole flow at a point, from coordinates in the order of positions."""
+    """The velocity of the whole flow at a point, from coordinates in the order of positions. It is compiled into each
+    place that calls it: a call costs a quarter of the interpolation on a grid.
+    """
 
-    @compiled_for_laws
-    def in_3d(current: Current, place: Vector, instant: Instant) -> Vector:
+    def velocity_in_3d(current: Current, place: Vector, instant: Instant) -> Vector:
         x = within_period(place[0], current.low[0], current.periods[0])
         y = within_period(place[1], current.low[1], current.periods[1])
         z = within_period(place[2], current.low[2], current.periods[2])
@@ -122,15 +123,14 @@ def _velocity_at(velocity: Callable[..., Vector], dimensions: int) -> Callable[[
             scale * found[2] + uniform[2],
         )
 
-    @compiled_for_laws
-    def in_2d(current: Current, place: Vector, instant: Instant) -> Vector:
+    def velocity_in_2d(current: Current, place: Vector, instant: Instant) -> Vector:
         x = within_period(place[0], current.low[0], current.periods[0])
         z = within_period(place[1], current.low[1], current.periods[1])
         found = velocity(current.shape, x, 0.0, z, instant[0])
         scale, uniform = instant[1], current.uniform
         return scale * found[0] + uniform[0] + uniform[3] * place[1], scale * found[2] + uniform[1], 0.0
 
-    return in_2d if dimensions == 2 else in_3d
+    return compiled_for_laws(velocity_in_2d if dimensions == 2 else velocity_in_3d, compiled_inside)
 
 
 def _velocities(at: Callable[..., Vector]) -> Callable[..., None]:
@@ -167,8 +167,16 @@ def _midways(at: Callable[..., Vector]) -> Callable[..., None]:
     return midways
 
 
+BLOCK = 256
+"""Particles that take a stage of a step together: the processor overlaps the work on independent particles, where the
+stages of one particle wait for one another.
+"""
+
+
 def _paths(at: Callable[..., Vector]) -> Callable[..., None]:
-    """The loop of the fourth-order Runge-Kutta method: the particle moves with the liquid and with `drift`."""
+    """The loop of the fourth-order Runge-Kutta method: the particle moves with the liquid and with `drift`. Until the
+    last stage `flow` is the weighted sum of velocities, and `travel` the place of the next stage.
+    """
 
     @compiled_for_laws
     def paths(
@@ -183,21 +191,23 @@ def _paths(at: Callable[..., Vector]) -> Callable[..., None]:
         time, h = when
         begin, middle = instant_at(current, time), instant_at(current, time + 0.5 * h)
         end = instant_at(current, time + h)
-        for i in range(len(status)):
-            if status[i] != 0:
-                continue
-            start, own = load(position, i), load(drift, i)
-            first = at(current, start, begin)
-            place = axpy(axpy(start, 0.5 * h, first), 0.5 * h, own)
-            second = at(current, place, middle)
-            place = axpy(axpy(start, 0.5 * h, second), 0.5 * h, own)
-            third = at(current, place, middle)
-            place = axpy(axpy(start, h, third), h, own)
-            fourth = at(current, place, end)
-            mean = axpy(axpy(axpy(first, 2.0, second), 2.0, third), 1.0, fourth)
-            mean = (mean[0] / 6.0, mean[1] / 6.0, mean[2] / 6.0)
-            store(flow, i, mean)
-            store(travel, i, axpy(mean, 1.0, own))
+        stages = ((begin, 0.5 * h, 1.0), (middle, 0.5 * h, 2.0), (middle, h, 2.0), (end, h, 1.0))
+        for low in range(0, len(status), BLOCK):
+            for stage in range(4):
+                instant, reach, weight = stages[stage]
+                for i in range(low, min(low + BLOCK, len(status))):
+                    if status[i] != 0:
+                        continue
+                    start, own = load(position, i), load(drift, i)
+                    found = at(current, start if stage == 0 else load(travel, i), instant)
+                    total = found if stage == 0 else axpy(load(flow, i), weight, found)
+                    if stage < 3:
+                        store(flow, i, total)
+                        store(travel, i, axpy(axpy(start, reach, found), reach, own))
+                    else:
+                        mean = (total[0] / 6.0, total[1] / 6.0, total[2] / 6.0)
+                        store(flow, i, mean)
+                        store(travel, i, axpy(mean, 1.0, own))
 
     return paths
 
