@@ -34,6 +34,9 @@ def rows() -> list[Row]:
         *near_a_wall(),
         *layers(),
         *cells(),
+        *orbits(),
+        *expelled(),
+        *spirals(),
         *impaction(),
         *plates(),
         *gyres(),
@@ -237,6 +240,136 @@ def cells() -> list[Row]:
         below("settling through cells: error of paths over the wavelength", off, 1e-3),
         within("settling through cells: mean speed over Stokes's", sunk, exact, 1e-3),
     ]
+
+
+ORBITS = 900
+"""Particles that start in a cell, on a square lattice."""
+
+
+def suspended(shape: float, x: Array) -> Any:
+    """Whether particles without inertia stay in a cell, at phases x (N, 2) in it: on the closed paths around the point
+    where the liquid rises at their settling speed; shape = W/U.
+
+    Along a path sin(kx) sin(kz) + (W/U) kx is constant; the outermost closed path ends where kx = pi. [maxey1987].
+    """
+    return np.sin(x[:, 0]) * np.sin(x[:, 1]) > shape * (math.pi - x[:, 0])
+
+
+def in_cells(ratio: float, relaxation: float, starts: Array, time: float, integration: dict[str, Any]) -> Array:
+    """How far particles settle (m) in cells with k = U = 1, W = `ratio` and a relaxation time, in a gas so light that
+    only drag acts.
+    """
+    radius, density, side = 1e-3, 1e4, 2.0 * math.pi
+    viscosity = 2.0 / 9.0 * density * radius**2 / relaxation
+    first, last = frames_of({
+        "duration": time, "frame_every": time, "gravity": ratio / relaxation,
+        "liquid": {"density": 1e-3, "viscosity": viscosity},
+        "tank": {"high": [side, side], "periodic": ["x", "y"]},
+        "flow": {"name": "cellular", "speed": 1.0, "wavelength": side, "center": [0.0, 0.0]},
+        "particles": [{"radius": radius, "density": density, "positions": starts.tolist()}],
+        "hydrodynamics": {"drag": "stokes", "added_mass": False}, "integration": integration,
+    })  # fmt: skip
+    fallen: Array = first.arrays["position"][:, 1] - last.arrays["position"][:, 1] - side * last.arrays["image"][:, 1]
+    return fallen
+
+
+def orbits() -> list[Row]:
+    """Compare which particles without inertia stay suspended in cells, and their share of the area."""
+    from scipy.integrate import quad
+
+    steps, found = math.isqrt(ORBITS), []
+    phase = (np.arange(steps) + 0.5) * math.pi / steps
+    starts = np.stack(np.meshgrid(phase, phase), axis=-1).reshape(-1, 2)
+    for ratio in (0.25, 0.5, 0.75):
+        fallen = in_cells(ratio, 0.05, starts, 100.0, {**OVERDAMPED, "time_step": 0.05})
+        stays = np.asarray(fallen < 2.0 * math.pi)
+        exact = suspended(ratio, starts)
+        label = f"cells, W/U = {ratio:g}, no inertia"
+        found.append(within(f"{label}: fraction on the side of the outermost orbit that it starts on",
+                            float((stays == exact).mean()), 1.0, 0.0))  # fmt: skip
+
+        def height(x: float, ratio: float = ratio) -> float:
+            return math.pi - 2.0 * math.asin(min(1.0, ratio * (math.pi - x) / math.sin(x)))
+
+        area = quad(height, 0.0, math.pi, limit=200)[0] / math.pi**2
+        found.append(within(f"{label}: fraction that stays suspended", float(stays.mean()), area, 1.0 / steps))
+    return found
+
+
+def expelled() -> list[Row]:
+    """Compare heavy particles with inertia in the same cells: all settle, along few paths, faster than in liquid at
+    rest.
+    """
+    ratio, relaxation, time, found = 0.5, 0.2, 100.0, []
+    starts = np.random.default_rng(4).uniform(0.0, 2.0 * math.pi, (400, 2))
+
+    def rates(_: float, x: Array) -> list[float]:
+        u, w = carrier_flows.cellular_velocity(x[0], x[1], 1.0)
+        return [x[2], x[3], (u - x[2]) / relaxation, (w - ratio - x[3]) / relaxation]
+
+    fallen = in_cells(ratio, relaxation, starts, time, {"integrator": "inertial", "time_step": 0.01})
+    label = f"cells, W/U = {ratio:g}, k U tau = {relaxation:g}"
+    found.append(within(f"{label}: fraction that stays suspended", float((fallen < 2.0 * math.pi).mean()), 0.0, 0.0))
+    few = starts[:6]
+    exact = np.array([start[1] - integrated(rates, [*start, 0.0, 0.0], time).y[1, -1] for start in few]) / time / ratio
+    speed = fallen / time / ratio
+    found.append(within(f"{label}: mean speed of {len(few)} over W, in time", float(speed[: len(few)].mean()),
+                        float(exact.mean()), 2e-3))  # fmt: skip
+    found.append(below(f"{label}: W over the mean speed of all", 1.0 / float(speed.mean()), 1.0))
+    return found
+
+
+def spirals() -> list[Row]:
+    """Compare how fast particles leave or approach the point of a cell where they are in equilibrium, with the
+    eigenvalues of the linear equation of motion: heavy ones leave it, light ones are trapped.
+    """
+    return [spiral(density) for density in (2000.0, 1050.0, 500.0)]
+
+
+def spiral(density: float) -> Row:
+    """Compare the rate of growth of the distance from equilibrium for a density, in water, with k = U = 1, |W| = 0.5
+    and a relaxation time of 0.2.
+    """
+    from scipy.optimize import fsolve
+
+    radius, pull, side = 1e-3, 5.0, 2.0 * math.pi
+    displaced = 4.0 / 3.0 * math.pi * radius**3 * 1000.0
+    inertia = displaced * (density / 1000.0 + 0.5)
+    viscosity = pull * inertia / drag.stokes_friction(radius, 1.0, 1.0)
+    gravity = 0.5 * pull * inertia / (displaced * abs(density / 1000.0 - 1.0))
+    weight = displaced * (density / 1000.0 - 1.0) * gravity
+
+    def acceleration(x: Array, v: Array) -> Array:
+        u = np.array(carrier_flows.cellular_velocity(x[0], x[1], 1.0))
+        du = 0.5 * np.sin(2.0 * x)
+        push = np.array([unsteady_forces.liquid_inertia(displaced, each, 0.5) for each in du])
+        found: Array = pull * (u - v) + (push - [0.0, weight]) / inertia
+        return found
+
+    still = np.zeros(2)
+
+    def pull_at(x: Array) -> Array:
+        return acceleration(x, still)
+
+    sink = math.copysign(0.5, weight)
+    rest = fsolve(pull_at, [math.acos(-sink), 0.5 * math.pi], xtol=1e-13)
+    shifts = 1e-5 * np.eye(2)
+    slopes = np.stack([(pull_at(rest + d) - pull_at(rest - d)) / 2e-5 for d in shifts], axis=1)
+    linear = np.block([[np.zeros((2, 2)), np.eye(2)], [slopes, -pull * np.eye(2)]])
+    slowest = max(np.linalg.eigvals(linear), key=lambda value: float(value.real))
+    period = 2.0 * math.pi / abs(slowest.imag)
+    frames = frames_of({
+        "duration": 3.0 * period, "frame_every": period, "gravity": gravity, "liquid": {"density": 1000.0,
+        "viscosity": viscosity}, "tank": {"high": [side, side], "periodic": ["x", "y"]},
+        "flow": {"name": "cellular", "speed": 1.0, "wavelength": side, "center": [0.0, 0.0]},
+        "particles": [{"radius": radius, "density": density, "positions": [(rest + np.array([1e-3, 0.0])).tolist()]}],
+        "hydrodynamics": {"drag": "stokes", "fluid_acceleration": True},
+        "integration": {"integrator": "inertial", "time_step": period / 1500},
+    })  # fmt: skip
+    away = [float(np.linalg.norm(frame.arrays["position"][0] - rest)) for frame in frames]
+    label = f"cells: growth rate of the distance from equilibrium, density {density / 1000.0:g} of the liquid's"
+    exact = float(slowest.real)
+    return within(label, math.log(away[3] / away[1]) / (2.0 * period), exact, 0.01 * abs(exact))
 
 
 FAR = -60.0

@@ -113,3 +113,29 @@ def test_every_figure_of_tracers_draws_what_it_says(name):
     drawn = TRACER_FIGURES[name](FRAMES, SCENE)
     assert drawn.axes[0].get_xlabel() or drawn.axes[0].get_ylabel()
     assert len(drawn.axes[0].lines) + len(drawn.axes[0].patches) > 0
+
+
+def larger(frame, radii, left):
+    """A frame with these particles."""
+    count = len(radii)
+    arrays = {
+        "position": np.stack([np.linspace(0.2, 0.8, count), np.full(count, 0.5)], axis=1), "radius": np.array(radii),
+        "species": np.zeros(count, int), "speed": np.zeros(count), "left": np.array(left),
+    }  # fmt: skip
+    return frame._replace(arrays=arrays, numbers={**frame.numbers, "left_through_opening_0": 0.0})
+
+
+def blue_pixels(picture, frame):
+    return int((np.abs(picture.pixels(frame)[..., :3].astype(int) - BLUE).max(axis=-1) < 60).sum())
+
+
+@pytest.mark.parametrize("first", [2, 1500])
+def test_particles_that_enter_have_their_own_size_and_those_that_left_are_gone(first):
+    """Also among so many that they are painted: sizes are those of the frame, not of the first one."""
+    start = larger(FRAMES[0], [1e-3] * first, [-1] * first)
+    picture = tracers_picture(SCENE, [start], Size(400, 400))
+    few = blue_pixels(picture, start)
+    entered = larger(FRAMES[1], [1e-3] * first + [0.1], [-1] * (first + 1))
+    assert blue_pixels(picture, entered) > few + 2000
+    gone = larger(FRAMES[2], [1e-3] * first + [0.1], [-1] * first + [0])
+    assert blue_pixels(picture, gone) == pytest.approx(few, rel=0.1)

@@ -12,7 +12,16 @@ def test_saffman_s_lift_is_that_of_an_integrator_of_order_eight():
 
 @pytest.mark.compiled
 @pytest.mark.long
-@pytest.mark.parametrize("rows", [tracers_flows.gyres, tracers_flows.cells, tracers_flows.near_a_wall])
+@pytest.mark.parametrize(
+    "rows",
+    [
+        tracers_flows.gyres,
+        tracers_flows.cells,
+        tracers_flows.expelled,
+        tracers_flows.near_a_wall,
+        tracers_flows.orbits,
+    ],
+)
 def test_the_rows_of_a_quick_comparison_are_met(rows):
     assert not [row for row in rows() if not row.met]
 

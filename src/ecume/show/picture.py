@@ -69,6 +69,10 @@ class Splat(Artist):
         """Set the positions."""
         self.places = places
 
+    def resize(self, radius: Array) -> None:
+        """Set the radii (m)."""
+        self.radius = radius
+
     def _pixel(self, corner: Array) -> Array:
         """The pixel coordinates of a corner of the figure; infinite if the corner is."""
         axes: Any = self.axes

@@ -186,8 +186,8 @@ MARGIN, BELOW = 0.02, 0.065
 """Room around the tank and below it, in parts of its larger side: the scale bar is below it."""
 LEAST_BAR = 150.0
 """The least height of the bar of colors, in pixels of a picture of the usual size."""
-LEAST_PIXELS = 2.0
-"""The smallest drawn size of a particle in pixels."""
+LEAST_PIXELS, LEAST_OF_MANY = 4.0, 2.0
+"""The smallest drawn size of a particle in pixels, and that of one among MANY."""
 RARE = 0.005
 """The part of all values beyond either end of the colors' range: one particle's peak must not pale all others."""
 
@@ -210,7 +210,7 @@ class Tank(Picture):
     def __init__(
         self, setting: Setting, sample: Sequence[Frame], size: Size = USUAL, coloring: Coloring | None = None
     ) -> None:
-        self.setting, self.coloring = setting, coloring
+        self.setting, self.coloring, self.least = setting, coloring, 0.0
         self.view = view_of(setting, sample)
         # Space beside the tank only for a color bar or a legend.
         side = SIDE if coloring is not None or len(setting.kinds) > 1 else 0.0
@@ -250,7 +250,9 @@ class Tank(Picture):
         if self.setting.radius is None and self.setting.camera is not None:
             return splat_in(axes, Splat(frame.arrays["radius"], balls=True), 3)
         if self.setting.radius is None:
-            return circles(axes, self.view, frame)
+            pixel = _pixel(axes, self.view)
+            self.least = 0.5 * pixel * (LEAST_OF_MANY if len(frame.arrays["radius"]) >= MANY else LEAST_PIXELS)
+            return circles(axes, drawn_radius(frame, self.least), seen(frame.arrays["position"]), pixel)
         return splat_in(
             axes, Splat(self.setting.radius, balls=self.setting.camera is not None, room=self.setting.room), 3
         )
@@ -276,6 +278,8 @@ class Tank(Picture):
         """Draw the contents of a frame."""
         position, camera = frame.arrays["position"], self.setting.camera
         depth = None if camera is None else position @ camera[2]
+        if self.setting.radius is None:
+            self.particles.resize(drawn_radius(frame, self.least))
         self.particles.put(seen(position, camera), depth, self._colors(frame))
 
     def place(self, frame: Frame, one: int) -> Array:
@@ -284,17 +288,25 @@ class Tank(Picture):
         return there
 
 
-def circles(axes: Axes, view: View, frame: Frame) -> Circles | Splat:
-    """Particles of various sizes, drawn with a smallest size."""
+def _pixel(axes: Axes, view: View) -> float:
+    """The size of a pixel (m)."""
     figure: Any = axes.figure
-    across = axes.get_position().width * float(figure.get_size_inches()[0]) * figure.dpi
-    pixel = view.width / across
-    diameter = np.maximum(2.0 * frame.arrays["radius"], LEAST_PIXELS * pixel)
-    rim = 0.4 if diameter.max() > 8.0 * pixel else 0.0
-    if len(diameter) >= MANY:
-        return splat_in(axes, Splat(diameter / 2.0, rim=rim), 3)
+    return float(view.width / (axes.get_position().width * figure.get_size_inches()[0] * figure.dpi))
+
+
+def drawn_radius(frame: Frame, least: float) -> Array:
+    """The radii (m) of the particles of a frame, which may be more than before, drawn with a smallest one."""
+    radius: Array = np.maximum(frame.arrays["radius"], least)
+    return radius
+
+
+def circles(axes: Axes, radius: Array, places: Array, pixel: float) -> Circles | Splat:
+    """Particles of various sizes."""
+    rim = 0.4 if radius.max(initial=0.0) > 4.0 * pixel else 0.0
+    if len(radius) >= MANY:
+        return splat_in(axes, Splat(radius, rim=rim), 3)
     drawn = Circles(
-        diameter, diameter, np.zeros_like(diameter), units="xy", offsets=seen(frame.arrays["position"]),
+        2.0 * radius, 2.0 * radius, np.zeros_like(radius), units="xy", offsets=places,
         offset_transform=axes.transData, edgecolors=INK, linewidths=rim, zorder=3,
     )  # fmt: skip
     axes.add_collection(drawn, autolim=False)
@@ -310,6 +322,12 @@ class Circles(EllipseCollection):
         shown: Any = colors
         self.set_facecolor(shown)
 
+    def resize(self, radius: Array) -> None:
+        """Set the radii (m)."""
+        self.set_widths(2.0 * radius)
+        self.set_heights(2.0 * radius)
+        self.set_angles(np.zeros_like(radius))
+
 
 def seen(position: Array, camera: Array | None = None) -> Array:
     """The horizontal and the vertical coordinate of positions in the picture: the first and the last axis, or those of
@@ -322,8 +340,17 @@ def seen(position: Array, camera: Array | None = None) -> Array:
 
 
 def time_text(time: float) -> str:
-    """The time with its unit, to two decimals."""
-    return f"{time:.2f} s" if time < 600.0 else f"{time / 60.0:.1f} min"
+    """The time in a unit that suits it.
+
+    >>> time_text(3.14159), time_text(3600.0), time_text(90.0 * 86400.0)
+    ('3.14 s', '60.0 min', '90.0 days')
+    """
+    if time < 600.0:
+        return f"{time:.2f} s"
+    for size, unit in ((60.0, "min"), (3600.0, "h")):
+        if time < 600.0 * size:
+            return f"{time / size:.1f} {unit}"
+    return f"{time / 86400.0:.1f} days"
 
 
 def view_of(setting: Setting, frames: Sequence[Frame]) -> View:

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from matplotlib.figure import Figure
 
+from ecume.analysis.dispersion import deposited
 from ecume.analysis.series import inside, number, series, times
 from ecume.engine.walls import Surfaces
 from ecume.errors import BadInput
@@ -51,13 +52,21 @@ def _rectangle(low: Array, high: Array) -> Array:
     return np.array([(left, bottom), (right, bottom), (right, top), (left, top)])
 
 
+class TracersTank(Tank):
+    """A tank whose particles vanish when they leave through an opening; those that adhere to walls remain."""
+
+    def _fill(self, frame: Frame) -> None:
+        there = inside(frame) | deposited(frame)
+        super()._fill(frame.with_arrays({name: array[there] for name, array in frame.arrays.items()}))
+
+
 def tracers_picture(scene: TracersScene, sample: Sequence[Frame], size: Size = USUAL, eye: Eye | None = None) -> Tank:
     """The tank from the side, or in 3D from a camera; each species in its color."""
     if eye is None:
-        return Tank(setting_of(scene), sample, size)
+        return TracersTank(setting_of(scene), sample, size)
     if sample[0].arrays["position"].shape[1] != 3:
         raise BadInput("got azimuth or elevation for a 2D scene; expected a 3D scene, or neither of them")
-    return Tank(setting_in_space(scene, eye), sample, size)
+    return TracersTank(setting_in_space(scene, eye), sample, size)
 
 
 def setting_in_space(scene: TracersScene, eye: Eye) -> Setting:
