@@ -2,17 +2,22 @@
 
 from __future__ import annotations
 
+import copy
+import functools
 import os
 import random
 import subprocess
 import sys
 import time
+import tomllib
+from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 import pytest
 
 from ecume.errors import Fault, SceneError
-from ecume.scenes.load import MOST_BYTES, load_scene, located
+from ecume.scenes.load import MOST_BYTES, assembled, load_scene, located
 from ecume.scenes.templates import copy_template, templates
 
 BOWL = """\
@@ -315,6 +320,29 @@ def test_corrupted_scenes_give_scenes_or_faults_with_places(tmp_path: Path) -> N
         found.append(faults_or_none(file))
     assert all(fault.message and fault.line for faults in found for fault in faults)
     assert found.count(()) < 100
+
+
+STRANGE = (["floating"], {"a": 1}, [], {}, 5, -1, "x", "", True, [[1, 2], [3]], [{"a": 1}], "1 mm", ["1 mm", "x"])
+
+
+def places_in(value: Any, at: tuple[Any, ...] = ()) -> Iterator[tuple[Any, ...]]:
+    """The path of everything below a value."""
+    pairs = value.items() if isinstance(value, dict) else enumerate(value) if isinstance(value, list) else ()
+    for key, below in pairs:
+        yield (*at, key)
+        yield from places_in(below, (*at, key))
+
+
+def test_a_value_of_another_kind_anywhere_is_a_fault_or_a_scene(tmp_path: Path) -> None:
+    chance = random.Random(3)
+    tables = [tomllib.loads(copy_template(name, tmp_path / f"{name}.toml")[0].read_text()) for name in templates()]
+    for table in tables:
+        for place in [("model",), *chance.sample(list(places_in(table)), 12)]:
+            raw = copy.deepcopy(table)
+            piece = functools.reduce(lambda part, key: part[key], place[:-1], raw)
+            piece[place[-1]] = copy.deepcopy(STRANGE[0] if place == ("model",) else chance.choice(STRANGE))
+            scene, faults = assembled(raw, tmp_path)
+            assert (scene is None) == bool(faults), place
 
 
 @pytest.mark.parametrize(

@@ -58,10 +58,10 @@ def grid_of(spec: FieldSpec, dimensions: int) -> Grid:
         raise BadInput(f"got {path.name!r}; expected {', '.join(readers)}, or the directory of a run", "file")
     try:
         places, velocity, times = readers[path.suffix.lower()](path, names, spec.time_unit)
-    except (ValueError, TypeError) as error:
-        if isinstance(error, BadInput):
-            raise
-        raise BadInput(f"{path.name} cannot be read: {error}", "file") from error
+    except BadInput:
+        raise
+    except Exception as error:  # libraries end in any exception where a file is damaged
+        raise BadInput(_unreadable(path, error), "file") from error
     for name, place in zip(names.coordinates, places, strict=True):
         _require_line(path, name, place.ndim)
     if velocity.shape[1:-1] != tuple(map(len, places)):
@@ -72,6 +72,26 @@ def grid_of(spec: FieldSpec, dimensions: int) -> Grid:
         raise BadInput(f"{path.name}: its {len(times)} times do not rise with its {len(velocity)} instants", "file")
     places = [spec.length_unit * each for each in places]
     return _grid(path.name, places, spec.velocity_unit * velocity, spec.time_unit * times)
+
+
+def _unreadable(path: Path, error: Exception) -> str:
+    """The sentence for a file that a library cannot read: the first line of what it says, in plain characters."""
+    cause, _, _ = (str(error) or type(error).__name__).partition("\n")
+    if isinstance(error, (LookupError, OverflowError)):
+        cause = "it is damaged or cut off"
+    return f"{path.name} cannot be read: {_printable(cause)}"
+
+
+def _printable(text: str) -> str:
+    return text if text.isprintable() else ascii(text)
+
+
+def _real(array: Any) -> Array:
+    """The numbers of an array. Raises ValueError for complex numbers, whose imaginary parts would be lost, and text."""
+    found = np.asarray(array)
+    if found.dtype.kind not in "biuf":
+        raise ValueError(f"got {'complex numbers' if found.dtype.kind == 'c' else found.dtype}; expected real numbers")
+    return found.astype(float)
 
 
 def _grid(name: str, places: list[Array], velocity: Array, times: Array) -> Grid:
@@ -100,23 +120,20 @@ def _grid(name: str, places: list[Array], velocity: Array, times: Array) -> Grid
 def _of_numpy(path: Path, names: Names, unit: float) -> tuple[list[Array], Array, Array]:
     if not zipfile.is_zipfile(path):
         raise BadInput(f"{path.name} is no NumPy archive; expected one that numpy.savez wrote", "file")
-    try:
-        with np.load(path, allow_pickle=False) as file:
-            _require(path, (*names.coordinates, *names.velocities), list(file))
-            places = [np.asarray(file[name], float) for name in names.coordinates]
-            velocity = np.stack([np.asarray(file[name], float) for name in names.velocities], axis=-1)
-            times = np.atleast_1d(np.asarray(file[names.time], float)) if names.time in file else np.zeros(1)
-    except (ValueError, OSError, zipfile.BadZipFile, EOFError, KeyError) as error:
-        if isinstance(error, BadInput):
-            raise
-        raise BadInput(f"{path.name} cannot be read: {error}", "file") from error
+    with np.load(path, allow_pickle=False) as file:
+        _require(path, (*names.coordinates, *names.velocities), list(file))
+        places = [_real(file[name]) for name in names.coordinates]
+        velocity = np.stack([_real(file[name]) for name in names.velocities], axis=-1)
+        times = np.atleast_1d(_real(file[names.time])) if names.time in file else np.zeros(1)
     return places, velocity if velocity.ndim == len(places) + 2 else velocity[None], times
 
 
 def _require(path: Path, required: tuple[str, ...], there: list[str]) -> None:
     missing = [name for name in required if name not in there]
     if missing:
-        raise BadInput(f"{path.name}: has no {missing[0]!r}; it has {', '.join(sorted(map(str, there)))}", "file")
+        raise BadInput(
+            f"{path.name}: has no {missing[0]!r}; it has {', '.join(map(_printable, sorted(map(str, there))))}", "file"
+        )
 
 
 def _require_line(path: Path, name: str, dimensions: int) -> None:
@@ -134,11 +151,7 @@ def _of_netcdf(path: Path, names: Names, unit: float) -> tuple[list[Array], Arra
         import xarray
     except ImportError as error:
         raise BadInput(f"{path.name}: NetCDF needs xarray: {install(EXTRA)}", "file") from error
-    try:
-        file = xarray.open_dataset(path, decode_timedelta=False)
-    except (ValueError, OSError) as error:
-        raise BadInput(f"{path.name} cannot be read: {error}", "file") from error
-    with file:
+    with xarray.open_dataset(path, decode_timedelta=False) as file:
         _require(path, (*names.coordinates, *names.velocities), [str(name) for name in file.variables])
         for name in names.coordinates:
             _require_line(path, name, file[name].ndim)
@@ -155,8 +168,8 @@ def _of_netcdf(path: Path, names: Names, unit: float) -> tuple[list[Array], Arra
             array = array.squeeze(spare)
             if not steady and order[0] not in array.dims:
                 array = array.expand_dims({order[0]: 1})
-            parts.append(array.transpose(*order).to_numpy().astype(float))
-        places = [file[name].to_numpy().astype(float) for name in names.coordinates]
+            parts.append(_real(array.transpose(*order).to_numpy()))
+        places = [_real(file[name].to_numpy()) for name in names.coordinates]
         times = np.zeros(1) if steady else np.atleast_1d(file[names.time].to_numpy())
     if np.issubdtype(times.dtype, np.datetime64):
         times = (times - times[0]) / np.timedelta64(1, "s") / unit

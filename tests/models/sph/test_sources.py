@@ -203,6 +203,43 @@ def test_an_stl_file_is_filled_with_liquid_in_its_unit(tmp_path):
         liquid(written(tmp_path, 'outline_from = "cube.obj"', SPACE))
 
 
+def binary_stl(triangles, count=None):
+    """Their bytes."""
+    rows = np.zeros(len(triangles), [("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("more", "<u2")])
+    rows["corners"] = triangles
+    return b"head".ljust(80) + (len(triangles) if count is None else count).to_bytes(4, "little") + rows.tobytes()
+
+
+WHOLE = binary_stl(cube())
+
+
+@pytest.mark.parametrize(("content", "says"), [
+    (b"", "got 0 bytes"), (b"<html>404</html>", "got 16 bytes; expected a surface of triangles"),
+    (WHOLE[: len(WHOLE) // 2], "announces 12 triangles, and its bytes are those of 5.16"),
+    (binary_stl(cube(), 2**32 - 1), "announces 4294967295 triangles"), (binary_stl(cube(), 5), "announces 5 triangles"),
+    (WHOLE + b"more", "announces 12 triangles"), (binary_stl(cube()[:0]), "has no triangles"),
+    (stl(cube()).encode()[:700], "ends before endsolid; was it cut off"),
+])  # fmt: skip
+def test_a_damaged_stl_file_is_told_from_a_surface_with_holes(content, says, tmp_path):
+    pytest.importorskip("trimesh")
+    (tmp_path / "cube.stl").write_bytes(content)
+    with pytest.raises(SceneError, match=rf"'cube.stl' cannot be read as STL: .*{says}"):
+        ecume.load_scene(written(tmp_path, 'outline_from = "cube.stl"', SPACE))
+
+
+@pytest.mark.parametrize("turned", [(0,), (3, 7, 8), range(11), range(12)])
+def test_triangles_that_run_the_other_way_are_turned_without_further_packages(turned, tmp_path):
+    pytest.importorskip("trimesh")
+    triangles = cube()
+    for one in turned:
+        triangles[one] = triangles[one][::-1]
+    (tmp_path / "cube.stl").write_bytes(binary_stl(triangles))
+    scene = ecume.load_scene(written(tmp_path, 'outline_from = "cube.stl"\noutline_unit = "1 m"', SPACE))
+    corners = np.array(scene.fluid[0].triangles)
+    volume = np.linalg.det(corners).sum() / 6.0
+    assert abs(volume) == pytest.approx(1.0, rel=1e-6)
+
+
 def test_a_dxf_outline_is_a_polygon_in_the_drawing_s_unit(tmp_path):
     ezdxf = pytest.importorskip("ezdxf")
     drawing = ezdxf.new()

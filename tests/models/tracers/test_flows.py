@@ -292,6 +292,8 @@ def test_velocities_change_linearly_between_instants(tmp_path):
         (lambda a: a.update(y=np.ones(13)), "all nodes along axis 1 are at 0.01 m"),
         (lambda a: a.update(x=np.outer(a["x"], np.ones(13))), "'x' has 2 dimensions; expected the nodes along one"),
         (lambda a: a.update(x=a["x"][0]), "'x' has 0 dimensions"),
+        (lambda a: a.update(u=a["u"] + 1j), "complex numbers; expected real"),
+        (lambda a: a.update(u=a["u"].astype(str)), "<U.*; expected real"),
     ],
 )
 def test_a_file_that_is_no_grid_is_refused(tmp_path, change, words):
@@ -311,6 +313,30 @@ def test_what_numpy_saved_alone_is_refused_as_no_archive(tmp_path):
     (tmp_path / "scene.toml").write_text(TEXT.format(file="gyre.npz"))
     with pytest.raises(SceneError, match=r"gyre\.npz is no NumPy archive"):
         MODELS["tracers"].parameters(load_scene(tmp_path / "scene.toml"))
+
+
+def test_a_damaged_netcdf_file_is_a_sentence_in_one_line(tmp_path):
+    pytest.importorskip("xarray")
+    from scipy.io import netcdf_file
+
+    with netcdf_file(tmp_path / "gyre.nc", "w") as file:
+        for name, axes in {"x": ("x",), "y": ("y",), "u": ("y", "x"), "v": ("y", "x")}.items():
+            if name in axes:
+                file.createDimension(name, 5)
+            file.createVariable(name, "d", axes)[:] = np.linspace(0.0, 1.0, 5) if name in axes else 0.1
+    whole = (tmp_path / "gyre.nc").read_bytes()
+    (tmp_path / "scene.toml").write_text(TEXT.format(file="gyre.nc"))
+    damaged = [whole[:size] for size in (0, 3, 20, 60, 150, len(whole) // 2)]
+    damaged += [whole[:k] + bytes([whole[k] ^ 0xFF]) + whole[k + 1 :] for k in range(0, 200, 14)]
+    says = list[str]()
+    for content in damaged:
+        (tmp_path / "gyre.nc").write_bytes(content)
+        try:
+            MODELS["tracers"].parameters(load_scene(tmp_path / "scene.toml"))
+        except SceneError as error:
+            says.append(str(error))
+    assert len(says) > 12
+    assert all("gyre.nc" in said and said.isprintable() for said in says)
 
 
 @pytest.mark.parametrize(

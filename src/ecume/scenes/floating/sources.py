@@ -75,7 +75,7 @@ def failed(key: str, messages: Sequence[str], path: Path = ()) -> Rows:
 
 def rows_from(raw: dict[str, Any], folder: Folder) -> Rows:
     """Remove the sources of a scene of floats from `raw`, and read their rows."""
-    if raw.get("model") in OTHERS:
+    if str(raw.get("model")) in OTHERS:
         return failed("rows", [])
     given = {key: raw.pop(key) for key in SOURCES if key in raw}
     if not given:

@@ -239,21 +239,23 @@ def _coordinates(points: Any) -> Iterable[float]:
 
 
 def _meters(unit: object) -> float:
-    from ecume.units import factor
+    from ecume.units import factor, parse
 
     if not isinstance(unit, str):
         raise ValueError(f"has the unit {echo(unit)}; expected text such as outline_unit = 'mm'")
-    return factor(unit, "m")
+    return parse(unit, "m") if unit[:1].isdigit() else factor(unit, "m")
 
 
 def _triangles(content: bytes, unit: object) -> list[Any]:
     """The surface of an STL file; such files have no units."""
     trimesh = _library("trimesh")
+    if fault := _fault_of_stl(content):
+        raise ValueError(f"cannot be read as STL: {fault}")
     try:
         mesh = trimesh.load_mesh(io.BytesIO(content), file_type="stl")
         mesh.update_faces(_single(mesh.faces))
         if not _is_closed(mesh.faces):
-            trimesh.repair.fix_winding(mesh)
+            mesh.faces = _turned(mesh)
         triangles, closed = mesh.triangles, _is_closed(mesh.faces)
     except Exception as fault:  # any exception of the library means that the file is not a surface
         raise ValueError(f"cannot be read as STL: {fault}") from None
@@ -284,6 +286,54 @@ def _is_closed(faces: Any) -> bool:
     ways = np.where(ends[:, 0] < ends[:, 1], 1, -1)
     edge = np.unique(np.sort(ends, axis=1), axis=0, return_inverse=True)[1].ravel()
     return not np.bincount(edge, ways).any()
+
+
+STL_HEAD, STL_TRIANGLE = 84, 50
+"""The bytes of the head of a binary STL file, which ends with the number of triangles, and of each triangle."""
+
+
+def _fault_of_stl(content: bytes) -> str:
+    """Why the bytes are no complete STL file; empty for a file of the right size, or of text with an end."""
+    count = int.from_bytes(content[STL_HEAD - 4 : STL_HEAD], "little")
+    if len(content) >= STL_HEAD and len(content) == STL_HEAD + STL_TRIANGLE * count:
+        return "" if count else "it has no triangles"
+    text = content.lower()
+    if text.lstrip().startswith(b"solid") and b"facet" in text:
+        return "" if b"endsolid" in text else "it ends before endsolid; was it cut off?"
+    if len(content) < STL_HEAD or not content[:STL_HEAD].strip(b"\0"):
+        return f"got {len(content)} bytes; expected a surface of triangles, binary or as text"
+    room = (len(content) - STL_HEAD) / STL_TRIANGLE
+    return f"its head announces {count} triangles, and its bytes are those of {room:.4g}; was it cut off?"
+
+
+def _turned(mesh: Any) -> Any:
+    """The faces (T, 3), with those reversed that run around the other way than most of the piece they belong to."""
+    faces, neighbors = mesh.faces.tolist(), dict[int, list[tuple[int, bool]]]()
+    for (one, other), (a, b) in zip(mesh.face_adjacency.tolist(), mesh.face_adjacency_edges.tolist(), strict=True):
+        agrees = _runs(faces[one], a, b) != _runs(faces[other], a, b)
+        neighbors.setdefault(one, []).append((other, agrees))
+        neighbors.setdefault(other, []).append((one, agrees))
+    turned: dict[int, bool] = {}
+    found: list[int] = []
+    for first in range(len(faces)):
+        if first in turned:
+            continue
+        turned[first], piece = False, [first]
+        for here in piece:
+            for there, agrees in neighbors.get(here, []):
+                if there not in turned:
+                    turned[there] = turned[here] == agrees
+                    piece.append(there)
+        most = 2 * sum(turned[face] for face in piece) > len(piece)
+        found += [face for face in piece if turned[face] != most]
+    alike = mesh.faces.copy()
+    alike[found] = alike[found][:, ::-1]
+    return alike
+
+
+def _runs(face: list[int], a: int, b: int) -> bool:
+    """Whether a triangle runs along an edge from a to b."""
+    return face[face.index(a) - 2] == b
 
 
 def _vertices(content: bytes, unit: object) -> list[list[float]]:
