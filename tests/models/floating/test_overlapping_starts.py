@@ -6,6 +6,7 @@ import pytest
 from ecume.errors import SceneError
 from ecume.models.floating.record import FLOATING
 from ecume.models.floating.setup.initial_state import separated
+from ecume.run import RunOptions, run, verify
 from ecume.scenes.schema import from_plain
 
 RADIUS = 1e-3
@@ -71,3 +72,17 @@ def test_overlaps_that_the_contacts_allow_stay_to_the_bit(contacts, overlap):
     asked = scene(triangle(overlap), contacts=contacts)
     there = FLOATING.start(asked, FLOATING.parameters(asked)).position
     assert np.array_equal(there, triangle(overlap))
+
+
+@pytest.mark.parametrize("layout", ["chain", "triangle", "pair"])
+@pytest.mark.parametrize("overlap", [0.0, 3e-4, 2e-3])
+def test_a_raft_at_rest_keeps_its_energy(layout, overlap, tmp_path):
+    """Nothing moves but what contacts correct within rounding: no energy is gained by the measure of the raft's own."""
+    side = 2.0 * RADIUS * (1.0 - 0.5 * overlap)
+    places = {
+        "chain": [[k * side, 0.0] for k in range(3)],
+        "triangle": triangle(overlap),
+        "pair": triangle(overlap)[:2],
+    }
+    run(scene(places[layout]), tmp_path / "run", options=RunOptions(on_violation="stop"))
+    assert verify(tmp_path / "run").sound
