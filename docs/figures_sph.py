@@ -171,11 +171,14 @@ def bodies() -> Figure:
     plain = to_plain(load_scene(TEMPLATES / "floating-bodies.toml")) | {"duration": 0.9, "frame_every": 0.3}
     frames, scene = simulated(plain), from_plain(plain)
     outlines = movers_of(scene)
+    names = (*scene.body_names, *scene.obstacle_names)
     for axes, frame in zip(drawn.subplots(1, 3), [frames[0], frames[1], frames[3]], strict=True):
         axes.set(xlim=(-0.03, 1.23), ylim=(-0.03, 0.72))
         liquid(axes, scene, frame, 1e-3 * frame.arrays["pressure"], scale)
-        for outline in (*(outlines(frame) if outlines else ()), np.array(scene.obstacles[0].vertices)):
+        solids = (*(outlines(frame) if outlines else ()), np.array(scene.obstacles[0].vertices))
+        for outline, name in zip(solids, names, strict=True):
             axes.add_patch(Polygon(outline, facecolor="#e8e4da", edgecolor=INK, linewidth=1.0, zorder=2))
+            axes.annotate(name, outline.mean(axis=0), ha="center", va="center", fontsize=7, zorder=3)
         axes.plot([0, 0, 1.2, 1.2], [0.7, 0, 0, 0.7], color=INK, linewidth=1.2)
         axes.set_title(f"{frame.time:.1f} s")
     drawn.colorbar(scale, ax=drawn.axes, label="pressure (kPa)", shrink=0.8)

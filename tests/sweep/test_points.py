@@ -11,7 +11,7 @@ from ecume.scenes.soft import first_fraction, sides_of
 from ecume.scenes.templates import sweep_templates
 from ecume.sweep.directory import json_at, open_or_create, require_laws
 from ecume.sweep.executors import write_array
-from ecume.sweep.results import _unit_in
+from ecume.sweep.results import Sweep, _unit_in, as_csv
 from ecume.sweep.spec import READER, load_sweep, points_of, varied
 
 LAWS = [{"name": "yukawa", "sha256": "1" * 64}]
@@ -230,3 +230,20 @@ def test_sizes_of_what_has_none_are_refused(tmp_path, text, says):
     (tmp_path / "s.toml").write_text(text)
     with pytest.raises((BadInput, SceneError), match=says):
         open_or_create(tmp_path / "s.toml", tmp_path / "sweep")
+
+
+def test_the_file_of_a_table_has_the_units_of_the_sweep(tmp_path):
+    """Values as they were written, with their unit in the header, also degrees Celsius; plain numbers in SI units."""
+    text = (
+        'template = "cereal-bowl"\n[[axes]]\nkey = "dish.contact_angle"\nvalues = ["45 deg", "62.5 deg"]\n'
+        '[[axes]]\nkey = "liquid.temperature"\nspan = {start = "20 degC", stop = "30 degC"}\n'
+        '[[axes]]\nkey = "dish.radius"\nvalues = [0.03, "40 mm"]\n'
+    )
+    (tmp_path / "s.toml").write_text(text)
+    sweep = Sweep(open_or_create(tmp_path / "s.toml", tmp_path / "out"))
+    columns = sweep.columns()
+    assert columns["dish.contact_angle (deg)"] == [45.0] * 4 + [62.5] * 4
+    assert columns["liquid.temperature (degC)"][:4] == [20.0, 20.0, 30.0, 30.0]
+    assert columns["dish.radius (m)"][:2] == [0.03, 0.04]
+    assert [row["dish.radius"] for row in sweep.table()][:2] == [0.03, 0.04]
+    assert as_csv(columns).splitlines()[1] == "45.0,20.0,0.03,missing"

@@ -38,7 +38,7 @@ def test_each_point_has_a_run_and_a_row(file, tmp_path):
     assert [row["seed"] for row in rows] == [1, 2, 3, 4]
     assert all(row["state"] == "done" and row["max kinetic_energy"] >= row["final kinetic_energy"] > 0 for row in rows)
     assert len({row["final kinetic_energy"] for row in rows}) == 4
-    assert table(tmp_path / "out").splitlines()[0] == "seed,state,final kinetic_energy,max kinetic_energy"
+    assert table(tmp_path / "out").splitlines()[0] == "seed,state,final kinetic_energy (J),max kinetic_energy (J)"
 
 
 def test_only_what_is_missing_is_run(file, tmp_path):

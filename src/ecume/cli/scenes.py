@@ -218,22 +218,23 @@ def check(scene: SceneFile, overrides: Overrides = None, laws: Laws = None, json
     if own or listed:
         remark = "added to those of the scene" if own else "not checked: give their file with --laws"
         rows.append(("user laws", ", ".join(map(named, own)) or ", ".join(listed), remark))
-    rows += odd_values(scene, changes)
+    rows += odd_values(scene, changes, asked)
     if json:
         print_json([dict(zip(CHECK_COLUMNS, row, strict=True)) for row in rows])
         return
     print_table(CHECK_COLUMNS, rows)
 
 
-def odd_values(file: Path, changes: Sequence[str]) -> list[tuple[str, str, str]]:
-    """A row for each implausible value of a scene file."""
+def odd_values(file: Path, changes: Sequence[str], scene: Scene) -> list[tuple[str, str, str]]:
+    """A row for each implausible value of a scene file, and for each drawing without a unit."""
     from ecume.scenes.load import parsed, source_of
     from ecume.scenes.overrides import overridden
     from ecume.scenes.plausible import remarks
+    from ecume.scenes.sph.sources import drawn_sizes
 
     raw = parsed(source_of(file))
     overridden(raw, changes)
-    return remarks(raw)
+    return [*remarks(raw), *drawn_sizes(raw, scene)]
 
 
 def examine(scene: Scene) -> None:

@@ -67,13 +67,16 @@ def first_manifest(scene: Scene, source: bytes, plain: str) -> dict[str, Any]:
 def flow_file(scene: Scene) -> dict[str, str]:
     """The digest of the file with the velocities of the liquid, if the scene names one."""
     field = getattr(getattr(scene, "flow", None), "field", None)
-    if field is None:
-        return {}
-    path, total = Path(field.file), hashlib.sha256()
-    for each in _flow_files(path):
+    return {} if field is None else {FLOW_FILE: flow_digest(field.file)}
+
+
+def flow_digest(name: str) -> str:
+    """The digest of a file, or a run, with the velocities of the liquid."""
+    total = hashlib.sha256()
+    for each in _flow_files(Path(name)):
         with storing(each), each.open("rb") as file:
             hashlib.file_digest(file, lambda: total)
-    return {FLOW_FILE: total.hexdigest()}
+    return total.hexdigest()
 
 
 def _flow_files(path: Path) -> Sequence[Path]:

@@ -7,6 +7,7 @@ missing points are run.
 
 from __future__ import annotations
 
+import functools
 import hashlib
 import json
 import math
@@ -21,6 +22,7 @@ from ecume.errors import BadInput, Fault, SceneError, StorageError, beside_ecume
 from ecume.models.model import LOCAL
 from ecume.run.directory import RunDirectory
 from ecume.run.lock import is_held
+from ecume.run.manifest import FLOW_FILE, flow_digest
 from ecume.scenes.faults import echo, read_path, value_at
 from ecume.scenes.load import OVERRIDDEN, load_scene
 from ecume.scenes.schema import Scene, from_plain, scene_hash, to_plain
@@ -154,6 +156,8 @@ def write_points(asked: Asked, directory: Path, check: Check = unchecked) -> Swe
     if spec.process:
         require_arguments(spec.process, [*spec.fixed, *varied(spec)])
     plans = [(point, _checked_plan(asked, point)) for point in points_of(spec)]
+    digest = functools.cache(flow_digest)  # points mostly share a file
+    plans = [(point, plan | _flow_file(plan, digest)) for point, plan in plans]
     keys = varied(spec)
     jobs = [Job(point, directory / POINTS_FOLDER / _digest(plan), _values(point, plan, keys)) for point, plan in plans]
     _refuse_foreign(directory)
@@ -186,6 +190,7 @@ def open_or_create(
     if asked.spec.scene and is_sweep(directory) and file.resolve().parent == directory.resolve():
         found = existing_sweep(directory)
         require_laws(found, laws)
+        require_flow_files(found)
         if any(job.state != "done" for job in found.jobs):
             check(found.spec.measures, json_at(found.jobs[0].asked, dict))
         return found
@@ -201,6 +206,28 @@ def require_laws(sweeping: Sweeping, laws: Sequence[dict[str, Any]]) -> None:
         changed = "the text of its laws has changed; restore it, or sweep into another directory"
         way = changed if same else f"expected {required}" if begun else "expected no --laws, as when it was begun"
         raise BadInput(f"{sweeping.path}: {way}")
+
+
+def require_flow_files(sweeping: Sweeping) -> None:
+    """Raise BadInput if the file with velocities of a missing point has changed since the sweep was begun."""
+    digest = functools.cache(flow_digest)
+    for job in distinct(sweeping.jobs):
+        if job.state != "done":
+            plan = json_at(job.asked, dict)
+            if FLOW_FILE in plan and _flow_file(plan, digest)[FLOW_FILE] != plan[FLOW_FILE]:
+                name = _flow_field(plan)["file"]
+                raise BadInput(f"{sweeping.path}: {name} has changed since the sweep was begun; sweep its file again")
+
+
+def _flow_field(plan: Mapping[str, Any]) -> dict[str, Any]:
+    """The table `flow.field` of the scene in a plan; empty without one."""
+    return ((plan.get("scene") or {}).get("flow") or {}).get("field") or {}
+
+
+def _flow_file(plan: Mapping[str, Any], digest: Callable[[str], str]) -> dict[str, str]:
+    """The digest of the file with velocities that the scene names. All other files are part of the scene itself."""
+    field = _flow_field(plan)
+    return {FLOW_FILE: digest(field["file"])} if field else {}
 
 
 def existing_sweep(directory: Path) -> Sweeping:
@@ -368,7 +395,7 @@ def _toml(value: Any) -> str:
 
 def _digest(plan: dict[str, Any]) -> str:
     """The digest of a plan. The number of ranks is ignored, since it changes only last digits."""
-    further = [plan[key] for key in ("engine", "extra_laws") if key in plan]
+    further = [plan[key] for key in ("engine", "extra_laws", FLOW_FILE) if key in plan]
     if "hash" in plan and not further:
         return str(plan["hash"])[:KEY_LENGTH]
     words = (one if isinstance(one, str) else _json(one) for one in further)

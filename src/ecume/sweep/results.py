@@ -141,6 +141,22 @@ class Sweep:
         """The table as a DataFrame of Pandas, if it is installed; missing values are NaN."""
         return library("pandas").DataFrame(_with_nulls(self.table(measures)))
 
+    def columns(self) -> dict[str, list[Any]]:
+        """The table by columns, as `table.csv` has it: varied keys in the units of the sweep's file, other numbers in
+        SI units; each column names its unit.
+        """
+        rows, written_ones = self.table(), self.written_units
+        units = self.units(list(rows[0]) if rows else []) | written_ones
+        keys = {self._sweeping.spec.named(key): key for key in self._sweeping.keys}
+        found = {}
+        for name in rows[0] if rows else ():
+            values = [row.get(name) for row in rows]
+            if name in written_ones:
+                texts = (str(job.point.settings[keys[name]]) for job in self._sweeping.jobs)
+                values = [float(match[1]) if (match := NUMBER_WITH_UNIT.fullmatch(text)) else None for text in texts]
+            found[f"{name} ({units[name].replace('$', '')})" if name in units else name] = values
+        return found
+
     def _asked(self) -> dict[str, str | Measure] | None:
         named_ones = self._sweeping.spec.measures
         for text in named_ones:
@@ -164,10 +180,10 @@ class Sweep:
 def _unit_in(value: object) -> str:
     """The unit of a text such as `2 mm`, or nothing."""
     match = NUMBER_WITH_UNIT.fullmatch(value) if isinstance(value, str) else None
-    return match[1] if match else ""
+    return match[2] if match else ""
 
 
-NUMBER_WITH_UNIT = re.compile(r"\s*[-+]?[0-9.]+(?:[eE][-+]?[0-9]+)?(?:\s*(?=[^0-9.\s/])|\s+(?=1/))(.*?)\s*")
+NUMBER_WITH_UNIT = re.compile(r"\s*([-+]?[0-9.]+(?:[eE][-+]?[0-9]+)?)(?:\s*(?=[^0-9.\s/])|\s+(?=1/))(.*?)\s*")
 
 
 def representing(axis: Axis) -> Sequence[str]:
@@ -280,16 +296,16 @@ def _digest(measure: str | Measure) -> str:
 def write_table(sweeping: Sweeping) -> Path:
     """Write the table as CSV into the directory of the sweep. Returns its path."""
     path = sweeping.path / TABLE
-    rows = Sweep(sweeping).table()
+    columns = Sweep(sweeping).columns()
     with storing(path):
-        write_whole(path, as_csv(rows), sweeping.path)
+        write_whole(path, as_csv(columns), sweeping.path)
     return path
 
 
-def as_csv(rows: Sequence[Row]) -> str:
-    """Rows as text; numbers to the last digit."""
-    text, names = io.StringIO(), list(rows[0]) if rows else []
-    write_rows(text, [names, *([row.get(name) for name in names] for row in rows)])
+def as_csv(columns: Mapping[str, Sequence[Any]]) -> str:
+    """Columns as text; numbers to the last digit."""
+    text = io.StringIO()
+    write_rows(text, [list(columns), *zip(*columns.values(), strict=True)])
     return text.getvalue()
 
 

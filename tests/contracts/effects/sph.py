@@ -176,6 +176,7 @@ EFFECTS = {
         0.5, tank={"walls": "reflect"}, fluid=[{"velocity": [8.0, 1.0]}], **OBSTACLE
     ),
     "obstacles.color": of("orange", PICTURE, **OBSTACLE),
+    "obstacles.name": of("post", **OBSTACLE),
     "bodies.low": of([0.2, 0.4], **BODY),
     "bodies.high": of([0.8, 0.8], **BODY),
     "bodies.vertices": of(
@@ -213,6 +214,7 @@ EFFECTS = {
     "bodies.restitution": of(0.9, **FALLING),
     "bodies.friction": of(0.0, **FALLING),
     "bodies.color": of("orange", PICTURE, **BODY),
+    "bodies.name": of("raft", **BODY),
     "passive_tracers.positions": of([[0.4, 0.2]], **TRACERS),
     "passive_tracers.count": of(4, **SCATTERED),
     "passive_tracers.low": of([0.2, 0.1], **SCATTERED),

@@ -13,6 +13,7 @@ from ecume.run import resume, run
 from ecume.run.manifest import flow_file
 from ecume.scenes.load import load_scene
 from ecume.simulation import simulate
+from ecume.sweep.directory import open_or_create
 from tests.models.floating.bowls import WATER
 
 FLOATING = MODELS["floating"]
@@ -189,6 +190,21 @@ def test_a_run_is_not_resumed_with_another_flow(tmp_path):
     write_flow(tmp_path, "steady", [0.0], lambda x, y, t: (0.02 + 0.0 * x, 0.0 * y))
     with pytest.raises(BadInput, match=r"steady.npz has changed since the run was started"):
         resume(tmp_path / "run")
+
+
+def test_a_sweep_repeats_its_points_when_the_file_of_the_flow_changes(tmp_path):
+    """The digest of the file is part of the points; an interrupted sweep is not continued with another flow."""
+    write_flow(tmp_path, "steady", [0.0], lambda x, y, t: (0.01 + 0.0 * x, 0.0 * y))
+    scene_in(tmp_path, field("steady"), f"[[particles]]\n{BEAD}positions = [[0.0, 0.0]]\n{ALONE}")
+    (tmp_path / "s.toml").write_text('scene = "scene.toml"\n[[axes]]\nkey = "seed"\nvalues = [1, 2]\n')
+    first, again = (open_or_create(tmp_path / "s.toml", tmp_path / "out") for _ in range(2))
+    assert [job.folder for job in first.jobs] == [job.folder for job in again.jobs]
+    open_or_create(tmp_path / "out" / "sweep.toml", tmp_path / "out")
+    write_flow(tmp_path, "steady", [0.0], lambda x, y, t: (0.02 + 0.0 * x, 0.0 * y))
+    with pytest.raises(BadInput, match=r"steady\.npz has changed since the sweep was begun"):
+        open_or_create(tmp_path / "out" / "sweep.toml", tmp_path / "out")
+    changed = open_or_create(tmp_path / "s.toml", tmp_path / "out")
+    assert {job.folder for job in first.jobs}.isdisjoint(job.folder for job in changed.jobs)
 
 
 @pytest.mark.parametrize("frames", ["traj", ""])

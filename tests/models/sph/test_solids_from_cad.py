@@ -6,6 +6,7 @@ import time
 import numpy as np
 import pytest
 
+from ecume.cli.scenes import odd_values
 from ecume.models.sph.record import SPH
 from ecume.models.sph.setup.initial_particles import liquid_of
 from ecume.scenes.load import load_scene
@@ -76,3 +77,30 @@ def test_gate_and_cad_solids(tmp_path, table):
         assert bodies.mass[0] == pytest.approx(500.0 * shape.volume())
     if bodies.paths:
         assert bodies.motion[:, 0].tolist() == [0.0, 0.0, 1.0, 0.0, 0.0, 0.0]
+
+
+def test_check_states_the_size_of_drawings_without_a_unit(tmp_path, capsys):
+    """A part of 400 mm that is read in meters is seen by its size, with the key that says its unit."""
+    unitless = DRAWN.replace('outline_unit = "mm"\n', "")
+    room = f"[[fluid]]\nhigh = [1.0, 1.0, 1.0]\nlow = [0.0, 0.0, 0.0]\n[[obstacles]]\n{unitless}"
+    scene_of(tmp_path, sphere(0.2), room + f"[[obstacles]]\n{DRAWN}", "10 cm", '"9.81 m/s^2"')
+    rows = odd_values(tmp_path / "scene.toml", [], load_scene(tmp_path / "scene.toml"))
+    (row,) = [row for row in rows if "outline_from" in row[0]]
+    assert row[:2] == ("obstacles[0].outline_from", "0.4 × 0.4 × 0.4 m")
+    assert 'outline_unit = "mm"' in row[2]
+
+
+def test_a_drawn_tank_is_a_solid_of_this_name(tmp_path):
+    """The first obstacle of the file is not that of the tank: their sizes and forces are told apart by name."""
+    scene_of(tmp_path, sphere(400.0), HALF, "10 cm")
+    path = tmp_path / "drawn.toml"
+    unitless = DRAWN.replace('outline_unit = "mm"', "")
+    path.write_text(
+        f'model = "sph"\nduration = 1\nframe_every = 1\nspacing = "10 cm"\n[tank]\n{DRAWN}'
+        '[[fluid]]\nlow = [-0.2, -0.2, -0.2]\nhigh = [0.2, 0.2, 0.2]\n'
+        f'[[obstacles]]\nname = "post"\n{unitless}'
+    )  # fmt: skip
+    scene = load_scene(path)
+    assert scene.obstacle_names == ("tank", "post")
+    found = [row[:2] for row in odd_values(path, [], scene) if "outline" in row[0]]
+    assert found == [("obstacles[0].outline_from", "800 × 800 × 800 m")]

@@ -118,6 +118,14 @@ def test_forces_on_solids_are_drawn_or_else_those_on_sides(scene, frames):
     assert [line.get_label() for line in axes.lines] == ["obstacle0, x", "obstacle0, y"]
 
 
+def test_of_many_solids_the_figure_draws_the_largest_forces_and_says_so(scene, frames):
+    forces = {f"post{n}_force_{axis}": float(n) for n in range(9) for axis in "xy"}
+    drawn = figures.forces([felt(one, **forces) for one in frames], scene)
+    labels = [axes.lines[0].get_label() for axes in drawn.axes]
+    assert labels == [f"post{n}, x" for n in range(3, 9)]
+    assert "on 6 of 9 solids" in drawn.axes[0].get_title(loc="left")
+
+
 def test_a_scene_without_gauges_has_no_figure_of_them(scene, frames):
     with pytest.raises(BadInput, match="no gauges"):
         figures.gauges(frames, scene)

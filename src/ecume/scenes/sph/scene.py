@@ -35,7 +35,17 @@ from ecume.scenes.quantities import (
     up_faults,
 )
 from ecume.scenes.sph.motions import BaseExcitationSpec
-from ecume.scenes.sph.solids import BodySpec, ObstacleSpec, PassiveTracerSpec, ShapeSpec, extent, passive_tracer_faults
+from ecume.scenes.sph.solids import (
+    BodySpec,
+    ObstacleSpec,
+    PassiveTracerSpec,
+    ShapeSpec,
+    Solids,
+    extent,
+    name_faults,
+    passive_tracer_faults,
+    solid_names,
+)
 from ecume.scenes.sph.sources import ParticlesSpec, particle_faults
 from ecume.scenes.sph.tank import GaugeSpec, TankSpec, gauge_faults, side_faults
 from ecume.units import AngularVelocity, Number, Pressure, Speed, Temperature
@@ -353,6 +363,22 @@ class SphScene(Common):
         return sides_along(self.up, len(self.tank.low))
 
     @property
+    def obstacle_names(self) -> tuple[str, ...]:
+        """The names of the obstacles in numbers of frames."""
+        return solid_names(self.obstacles, "obstacle")
+
+    @property
+    def body_names(self) -> tuple[str, ...]:
+        """The names of the bodies in numbers of frames."""
+        return solid_names(self.bodies, "body")
+
+    @property
+    def solid_labels(self) -> tuple[str, ...]:
+        """Obstacles and bodies as messages call them: by their names, otherwise by their places in the file."""
+        tables: list[tuple[str, Solids]] = [("obstacles", self.obstacles), ("bodies", self.bodies)]
+        return tuple(spec.name or f"{table}[{n}]" for table, specs in tables for n, spec in enumerate(specs))
+
+    @property
     def up_axis(self) -> int:
         """The number of the axis that points up."""
         return "xyz".index(self.up)
@@ -365,6 +391,8 @@ class SphScene(Common):
         object.__setattr__(self, "gravity", downwards(self.gravity, dimension, self.up))
         complaints = [*_dimensions(self, dimension), *gauge_faults(self.gauges, self.tank), *_steps(self)]
         complaints += side_faults(self.tank, self.sides)
+        gauges = [name for gauge in self.gauges for name in gauge.names]
+        complaints += name_faults((("obstacles", self.obstacles), ("bodies", self.bodies)), gauges)
         complaints += passive_tracer_faults(self.passive_tracers, self.tank, self.method.turbulence)
         complaints += _rheology_faults(self)
         complaints += _second_liquid_faults(self)

@@ -5,6 +5,7 @@ Passive particles, which the liquid carries without being moved by them: tracers
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 from typing import Annotated, Any, Literal, Self
 
@@ -31,6 +32,11 @@ from ecume.scenes.sph.motions import BodyMotionSpec
 from ecume.units import Array, Length, Number
 
 Slip = Literal["free", "no-slip"]
+TAKEN = re.compile(r"largest|(body|obstacle)[0-9]+|left|right|bottom|top|front|back|center|momentum|first|second|guard")
+"""The pattern of names of numbers that frames already have."""
+QUANTITY = re.compile(r".*_(force|torque|velocity|spin)")
+"""The pattern of names that would be the number of another solid without its axis."""
+SolidName = Annotated[str, Field(max_length=40, pattern=r"^([A-Za-z][A-Za-z0-9_]*)?$")]
 
 
 THINNEST = 1e-9
@@ -159,6 +165,9 @@ class ObstacleSpec(ShapeSpec):
     2D).
     """
 
+    name: SolidName = ""
+    """The name of the obstacle in numbers of frames, figures and messages; by default `obstacle0`, `obstacle1` and
+    so on. Example: `"post"`. Effect: none on the motion."""
     hollow: Switch = False
     """Whether the shape is a hole in a block that fills the tank, as of a basin, and not the solid itself. Example:
     `true`. Effect: liquid is inside of the shape, not around it."""
@@ -185,6 +194,9 @@ class BodySpec(ShapeSpec):
     In a file it may also be `outline_from = "FILE"` (STL in 3D, DXF in 2D).
     """
 
+    name: SolidName = ""
+    """The name of the body in numbers of frames, figures and messages; by default `body0`, `body1` and so on.
+    Example: `"post"`. Effect: none on the motion."""
     density: PositiveDensity | None = None
     """The density of the body (kg/m^3), instead of its mass. Effect: bodies denser than the liquid sink."""
     mass: BodyMass | None = None
@@ -222,6 +234,30 @@ class BodySpec(ShapeSpec):
         if self.motion is not None and (self.velocity is not None or self.spin != 0.0):
             raise Inconsistent([(("motion",), "prescribes the velocity, too; remove velocity and spin of the body")])
         return self
+
+
+Solids = Sequence[ObstacleSpec | BodySpec]
+
+
+def solid_names(solids: Solids, kind: str) -> tuple[str, ...]:
+    """The names of obstacles or bodies in numbers of frames: those given, otherwise `obstacle0`, `obstacle1` ..."""
+    return tuple(solid.name or f"{kind}{index}" for index, solid in enumerate(solids))
+
+
+def name_faults(solids: Sequence[tuple[str, Solids]], gauges: Sequence[str]) -> list[tuple[Path, str]]:
+    """The faults of names of solids that frames, gauges or other solids have; `solids` are tables with their name."""
+    found: list[tuple[Path, str]] = []
+    used = dict.fromkeys(gauges, "a gauge")
+    for table, specs in solids:
+        for index, spec in enumerate(specs):
+            if TAKEN.fullmatch(spec.name) or QUANTITY.fullmatch(spec.name):
+                fault = f"got {spec.name!r}; frames have numbers of this name; choose another"
+                found.append(((table, index, "name"), fault))
+            elif spec.name in used:
+                found.append(((table, index, "name"), f"got {spec.name!r}, the name of {used[spec.name]} as well"))
+            if spec.name:
+                used.setdefault(spec.name, f"{table}[{index}]")
+    return found
 
 
 Radius = Annotated[Length, Field(ge=0.0, le=1e3)]

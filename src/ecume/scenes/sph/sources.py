@@ -123,12 +123,39 @@ def _tank_from(raw: dict[str, Any], folder: Folder) -> Complaints:
         sign = 1.0 if first else -1.0
         ends = [end(values) + sign * pad for values, pad in zip(zip(*points, strict=True), pads, strict=False)]
         tank.setdefault(key, ends)
-    raw["obstacles"] = [{**basin, "hollow": True}, *raw.get("obstacles", [])]
+    raw["obstacles"] = [{"name": "tank", **basin, "hollow": True}, *raw.get("obstacles", [])]
     return []
 
 
 DRAWN_TABLES = ("fluid", "obstacles", "bodies")
 """The tables whose shapes may be read from a drawing."""
+UNITLESS = {
+    ".stl": 'STL files have no unit: read in meters; outline_unit = "mm" changes that',
+    ".dxf": 'read in the unit of the drawing, in meters without one; outline_unit = "mm" changes that',
+}
+
+
+def drawn_sizes(raw: Mapping[str, Any], scene: Any) -> list[tuple[str, str, str]]:
+    """The sizes of drawings whose unit the plain data of a scene's file omit: key, size, remark."""
+    tank, found = raw.get("tank", {}), list[tuple[str, Mapping[str, Any], Any]]()
+    if isinstance(tank, dict) and OUTLINE in tank:
+        found.append(("tank", tank, scene.obstacles[0]))
+    for name in DRAWN_TABLES:
+        pieces, shapes = raw.get(name, []), getattr(scene, name, ())
+        shapes = shapes[len(shapes) - len(pieces) :]  # a drawn tank is the first obstacle
+        pairs = enumerate(zip(pieces, shapes, strict=True))
+        found += [(f"{name}[{n}]", piece, shape) for n, (piece, shape) in pairs if OUTLINE in piece]
+    return [
+        (f"{name}.{OUTLINE}", _extent(shape), f"{piece[OUTLINE]}: {UNITLESS[Folder(piece[OUTLINE]).suffix.lower()]}")
+        for name, piece, shape in found
+        if UNIT not in piece
+    ]
+
+
+def _extent(shape: Any) -> str:
+    """The sides of the box around a drawn shape, as text."""
+    points = shape.vertices or list(itertools.chain.from_iterable(shape.triangles))
+    return " × ".join(f"{max(values) - min(values):.4g}" for values in zip(*points, strict=True)) + " m"
 
 
 def outline_followed(piece: dict[str, Any], path: Path, folder: Folder) -> Complaints:

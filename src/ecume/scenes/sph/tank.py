@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Sequence
 from typing import Annotated, Literal, Self
 
@@ -12,11 +11,9 @@ from ecume.scenes.common import dataclass
 from ecume.scenes.faults import Complaints, Inconsistent, Path
 from ecume.scenes.quantities import SIDES, STRICT, Coordinate, Motion, Place, Proportion, Size, WettingAngle
 from ecume.scenes.sph.motions import MotionSpec
-from ecume.scenes.sph.solids import Slip
+from ecume.scenes.sph.solids import TAKEN, Slip
 from ecume.units import Pressure, Speed
 
-TAKEN = re.compile(r"largest|(body|obstacle)[0-9]+|left|right|bottom|top|front|back")
-"""The pattern of names of numbers that frames already have."""
 GaugeName = Annotated[str, Field(max_length=40, pattern=r"^[A-Za-z][A-Za-z0-9_]*$")]
 Measure = Literal["pressure", "hydrostatic_pressure", "dynamic_pressure", "absolute_pressure", "velocity", "level"]
 

@@ -292,31 +292,37 @@ def gauges(frames: Frames, scene: SphScene) -> Figure:
 
 
 MOST_SOLIDS = 6
-"""Panels of a figure of forces."""
+"""Panels of a figure of forces, of the solids with the largest ones."""
 
 
 def forces(frames: Frames, scene: SphScene) -> Figure:
-    """The forces of the liquid on obstacles and bodies over time, one panel each; of a tank without any on its sides;
-    from the samples between frames if the run has them.
+    """The forces of the liquid on obstacles and bodies over time, one panel each, at most on the six with the largest
+    forces; of a tank without any on its sides; from the samples between frames if the run has them.
     """
     shown = evolution(frames)
     known = [name.removesuffix("_force_x") for name in shown[0].numbers if name.endswith("_force_x")]
     solids = [name for name in known if name not in scene.sides] or known
     if not solids:
         raise BadInput("all sides are open or periodic, and nothing stands in the tank; no force to draw")
+    of_solids = {}
+    for solid in solids:
+        names = [name for axis in AXES if (name := f"{solid}_force_{axis}") in shown[0].numbers]
+        of_solids[solid] = (names, *_over_time(frames, shown, names))
+    largest = {solid: float(np.abs(curves).max()) for solid, (_, _, curves) in of_solids.items()}
+    drawn_ones = sorted(sorted(solids, key=lambda one: -largest[one])[:MOST_SOLIDS], key=solids.index)
+    left_out = f"the largest, on {len(drawn_ones)} of {len(solids)} solids" if len(solids) > MOST_SOLIDS else ""
     with style():
-        drawn = figure(6.4, 1.4 + 2.2 * len(solids[:MOST_SOLIDS]))
-        panels = drawn.subplots(len(solids[:MOST_SOLIDS]), 1, squeeze=False)[:, 0]
-        for axes, solid in zip(panels, solids, strict=False):
-            names = [name for axis in AXES if (name := f"{solid}_force_{axis}") in shown[0].numbers]
-            instants, curves = _over_time(frames, shown, names)
+        drawn = figure(6.4, 1.4 + 2.2 * len(drawn_ones))
+        panels = drawn.subplots(len(drawn_ones), 1, squeeze=False)[:, 0]
+        for axes, solid in zip(panels, drawn_ones, strict=True):
+            names, instants, curves = of_solids[solid]
             scale = scale_for(float(np.abs(curves).max()), shown[0].units[names[0]])
             for values, axis, color in zip(curves, AXES, PALETTE, strict=False):
                 axes.plot(instants, scale.factor * values, color=color, label=f"{solid}, {axis}")
             axes.margins(x=0)
             axes.set_ylabel(f"force ({scale.unit})")
             legend_outside(axes)
-        panels[0].set_title(titled("Forces", scene))
+        panels[0].set_title(titled(f"Forces: {left_out}" if left_out else "Forces", scene))
         panels[-1].set_xlabel("time (s)")
     return drawn
 

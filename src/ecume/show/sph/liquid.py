@@ -302,8 +302,8 @@ def walls_at(scene: SphScene, frame: Frame) -> tuple[Array, Array]:
 def solids_in(scene: SphScene, frame: Frame) -> Inside | None:
     """A function that flags the points inside obstacles and bodies of this frame; None without any."""
     shapes: list[Shape] = [outline(solid, scene.tank) for solid in scene.obstacles]
-    for number, body in enumerate(scene.bodies):
-        shapes += [line[:-1] if body.radius is not None else line for line in body_lines(body, number, frame, None)]
+    for name, body in zip(scene.body_names, scene.bodies, strict=True):
+        shapes += [line[:-1] if body.radius is not None else line for line in body_lines(body, name, frame, None)]
     return (lambda points: inside_any(shapes, points)) if shapes else None
 
 

@@ -30,7 +30,8 @@ def movers_of(scene: SphScene, camera: Array | None = None) -> Callable[[Frame],
         return None
 
     def outlines(frame: Frame) -> list[Array]:
-        found = [line for number, body in enumerate(scene.bodies) for line in body_lines(body, number, frame, camera)]
+        named = zip(scene.body_names, scene.bodies, strict=True)
+        found = [line for name, body in named for line in body_lines(body, name, frame, camera)]
         return found + [side_line(scene, side, frame) for side in driven if camera is None]
 
     return outlines
@@ -53,10 +54,10 @@ def is_ball(solid: Any) -> bool:
     return solid.radius is not None and getattr(solid, "axis", None) is None
 
 
-def body_lines(body: Any, number: int, frame: Frame, camera: Array | None) -> list[Array]:
+def body_lines(body: Any, name: str, frame: Frame, camera: Array | None) -> list[Array]:
     """A body at its position: its outline in 2D; in 3D a circle, or the edges of a box."""
     shape = shape_of(body)
-    middle, turn = placed(number, frame, len(shape.middle()))
+    middle, turn = placed(name, frame, len(shape.middle()))
     if camera is None:
         return [middle + corners(shape) @ turn.T]
     if isinstance(shape, Ball):
@@ -74,7 +75,7 @@ def solid_cells(scene: SphScene, frame: Frame, tank: tuple[Array, Array]) -> tup
         shape = drawn_shape(spec) if number < 0 else shape_of(spec)
         points, volume, _ = shape.cells(FINE * scene.spacing)
         if number >= 0:
-            middle, turn = placed(number, frame, len(low))
+            middle, turn = placed(scene.body_names[number], frame, len(low))
             points = middle + points @ turn.T
         inside = ((points > low) & (points < high)).all(axis=1) & shapes.apart(points, earlier)
         heights.append(points[inside, scene.up_axis])
@@ -83,9 +84,9 @@ def solid_cells(scene: SphScene, frame: Frame, tank: tuple[Array, Array]) -> tup
     return np.concatenate(heights), np.concatenate(volumes)
 
 
-def placed(number: int, frame: Frame, dimension: int) -> tuple[Array, Array]:
+def placed(name: str, frame: Frame, dimension: int) -> tuple[Array, Array]:
     """The center of a body in a frame, and its rotation since the start."""
-    name, read = f"body{number}", frame.numbers
+    read = frame.numbers
     middle = np.array([read[f"{name}_{axis}"] for axis in "xyz"[:dimension]])
     if dimension == 2:
         return middle, rotation(read[f"{name}_angle"])

@@ -58,8 +58,8 @@ def solids_of(scene: SphScene, frame: Frame) -> list[Solid]:
     """Obstacles, and bodies at their positions in the frame."""
     drawn = [(drawn_shape(one), color_of(one)) for one in scene.obstacles if not one.hollow]
     found = [Solid(shape.carried(-shape.middle()), shape.middle(), np.eye(3), color) for shape, color in drawn]
-    for number, body in enumerate(scene.bodies):
-        at = {part: frame.numbers[f"body{number}_{part}"] for part in ("x", "y", "z", "qw", "qx", "qy", "qz")}
+    for name, body in zip(scene.body_names, scene.bodies, strict=True):
+        at = {part: frame.numbers[f"{name}_{part}"] for part in ("x", "y", "z", "qw", "qx", "qy", "qz")}
         turn = turned([at[f"q{part}"] for part in "wxyz"])
         found.append(Solid(shape_of(body), np.array([at[axis] for axis in "xyz"]), turn, color_of(body)))
     return found

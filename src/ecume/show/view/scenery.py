@@ -152,7 +152,8 @@ def sph_stage(scene: Any, sample: Sequence[Frame]) -> Stage:
     flat = len(low) == 2
 
     def movers(frame: Frame) -> list[Array]:
-        bodies = [line for number, body in enumerate(scene.bodies) for line in _body(body, number, frame)]
+        named = zip(scene.body_names, scene.bodies, strict=True)
+        bodies = [line for name, body in named for line in _body(body, name, frame)]
         return bodies + [side_line(scene, side, frame) for side in driven if flat]
 
     margin = 0.03 * float((high - low).max())
@@ -263,15 +264,15 @@ def _ball(middle: Array, radius: float) -> list[Line]:
     return [Line(middle + np.roll(flat, turn, axis=1), closed=True) for turn in range(BALL_LINES)]
 
 
-def _body(body: Any, number: int, frame: Frame) -> list[Array]:
+def _body(body: Any, name: str, frame: Frame) -> list[Array]:
     """A body where it is; a round one with a spoke, so that its turning shows."""
-    shape, name = shape_of(body), f"body{number}_"
-    middle = np.array([frame.numbers[name + axis] for axis in "xyz"[: len(shape.middle())]])
+    shape = shape_of(body)
+    middle = np.array([frame.numbers[f"{name}_{axis}"] for axis in "xyz"[: len(shape.middle())]])
     if len(middle) == 2:
-        turn = rotation(frame.numbers[name + "angle"])
+        turn = rotation(frame.numbers[f"{name}_angle"])
         lines = [np.vstack([circle(np.zeros(2), body.radius), np.zeros(2)])] if body.radius is not None else None
         return [middle + line @ turn.T for line in lines or [one.points for one in _solid_of(shape)]]
-    turn = turned([frame.numbers[f"{name}q{part}"] for part in "wxyz"])
+    turn = turned([frame.numbers[f"{name}_q{part}"] for part in "wxyz"])
     parts = [one.points for one in _ball(np.zeros(3), body.radius)] if is_ball(body) else edges(shape)
     return [middle + part @ turn.T for part in parts]
 

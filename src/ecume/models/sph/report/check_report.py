@@ -490,16 +490,16 @@ def _tension(scene: SphScene, parameters: Parameters) -> list[Row]:
 def _contact_angles(scene: SphScene) -> Row:
     """The row on the contact angle of the liquid, and on the walls, obstacles and bodies where it differs."""
     walls = wet_walls(scene)
-    obstacles = {f"obstacles[{index}]": spec for index, spec in enumerate(scene.obstacles)}
-    bodies = {f"bodies[{index}]": spec for index, spec in enumerate(scene.bodies)}
+    specs: list[ObstacleSpec | BodySpec] = [*scene.obstacles, *scene.bodies]
+    solids = dict(zip(scene.solid_labels, specs, strict=True))
     usual = 90.0 if scene.liquid.contact_angle is None else math.degrees(scene.liquid.contact_angle)
-    wetted: dict[str, SideSpec | ObstacleSpec | BodySpec] = {**walls, **obstacles, **bodies}
+    wetted: dict[str, SideSpec | ObstacleSpec | BodySpec] = {**walls, **solids}
     angles = {name: math.degrees(contact_angle_of(scene, spec)) for name, spec in wetted.items()}
     if not angles:
         return ("contact angle", "none", "no wall but such that reflect, and no solid")
     remarks = [f"{angle:.4g} degrees at {name}" for name, angle in angles.items() if angle != usual]
     remarks = remarks or ["at walls and solids: key `contact_angle`"]
-    remarks += ["bodies feel no capillary force"] * bool(bodies)
+    remarks += ["bodies feel no capillary force"] * bool(scene.bodies)
     return ("contact angle", f"{usual:.4g} degrees", "; ".join(remarks))
 
 

@@ -484,17 +484,19 @@ def of_solids(
     guarded = {names[k] for k in (*parameters.boundary.guard.owner, *drawn)}
     numbers |= {f"{name}_hits": float(state.hits[k]) for k, name in enumerate(names) if name in guarded}
     for body in range(len(parameters.bodies.shapes)):
-        numbers |= pose_of(state, body, (axes, turns), parameters.bodies.pose[3:, body])
+        name = names[len(names) - len(parameters.bodies.shapes) + body]
+        numbers |= pose_of(state, body, (axes, turns), (name, parameters.bodies.pose[3:, body]))
     for side, drive in parameters.drives:
         numbers[f"{names[side]}_position"] = float(drive_at(drive, float(state.clock[0]))[0][0])
-    return numbers, {name: units.get(name) or BODY_UNITS.get(name.split("_", 1)[1], "1") for name in numbers}
+    owned = {f"{owner}_{kind}": unit for owner in names for kind, unit in BODY_UNITS.items()}
+    return numbers, {name: units.get(name) or owned.get(name, "1") for name in numbers}
 
 
-def pose_of(state: State, body: int, names: tuple[str, str], start: Array) -> dict[str, float]:
+def pose_of(state: State, body: int, letters: tuple[str, str], which: tuple[str, Array]) -> dict[str, float]:
     """Position, velocity, orientation and spin of a body; the orientation is an angle in 2D, a quaternion in 3D, as
-    turned since the start. names = (axes of positions, axes of rotation).
+    turned since the start. letters = (axes of positions, axes of rotation), which = (name, orientation at the start).
     """
-    (axes, turns), pose, move, name = names, state.pose[:, body], state.motion[:, body], f"body{body}"
+    (axes, turns), (name, start), pose, move = letters, which, state.pose[:, body], state.motion[:, body]
     found = {f"{name}_{axis}": float(pose[k]) for k, axis in enumerate(axes)}
     found |= {f"{name}_velocity_{axis}": float(move[k]) for k, axis in enumerate(axes)}
     found |= {f"{name}_spin_{axis}": float(move[3 + "xyz".index(axis)]) for axis in turns}

@@ -47,9 +47,7 @@ def boundary_of(scene: SphScene, material: Material, support: float) -> Boundary
     solids = solids_of(scene)
     middle = 0.5 * (np.array(scene.tank.low) + np.array(scene.tank.high))
     walls = 2 * len(middle)
-    names = scene.sides
-    names += tuple(f"obstacle{index}" for index in range(len(scene.obstacles)))
-    names += tuple(f"body{index}" for index in range(len(scene.bodies)))
+    names = (*scene.sides, *scene.obstacle_names, *scene.body_names)
     centers = np.zeros((len(names), 3))
     centers[:, : len(middle)] = [*[middle] * walls, *[solid.middle() for solid in solids]]
     dummies = joined([_layers(scene, material, support), *_of_solids(scene, material, support)])
@@ -499,10 +497,8 @@ def _require_possible(scene: SphScene) -> None:
 
 
 def _named(scene: SphScene) -> list[tuple[str, Shape]]:
-    """Obstacles and bodies with their paths in the scene."""
-    names = [f"obstacles[{n}]" for n in range(len(scene.obstacles))]
-    names += [f"bodies[{n}]" for n in range(len(scene.bodies))]
-    return list(zip(names, solids_of(scene), strict=True))
+    """Obstacles and bodies as messages call them."""
+    return list(zip(scene.solid_labels, solids_of(scene), strict=True))
 
 
 def _overlaps(scene: SphScene) -> list[Fault]:
@@ -519,7 +515,7 @@ def _overlaps(scene: SphScene) -> list[Fault]:
                         f"bodies[{index}]", f"starts {with_prefix(deep, 'm', 3)} inside {name}; leave room between them"
                     )
                 )
-        solids.append((f"bodies[{index}]", mine))
+        solids.append((spec.name or f"bodies[{index}]", mine))
     return faults
 
 
