@@ -18,19 +18,30 @@ MEANT = {
         "waves.headings": ["45 deg"],
         "activity.force": "2 uN", "magnetic_field.constant": "50 mT", "particles[0].shape.width": "2 mm",
         "particles[0].disc.angle": "30 deg", "dish.density": "2.5 g/cm^3",
+        "surfactant.diffusivity": "1 cm^2/s", "surfactant.spacing": "0.75 mm", "surfactant.largest_fall": "34 mN/m",
+        "surfactant.drops[0].radius": "3 mm", "surfactant.drops[0].position": ["12 mm", "0 mm"],
+        "surfactant.drops[0].mass": "5 ug", "surfactant.sources[0].release": "2 ug/s",
+        "particles[0].velocity": ["1 mm/s", "0 mm/s"],
     },
     "sph": {
         "liquid.surface_tension": "72.8 mN/m", "liquid.density": "1 g/cm^3", "liquid.viscosity": "1.5 mPa*s",
         "gravity": ["0 cm/s^2", "-981 cm/s^2"], "tank.high": ["500 mm", "300 mm"], "bodies[0].density": "0.5 g/cm^3",
         "liquid.atmospheric_pressure": "101.3 kPa", "fluid[0].velocity": ["150 cm/s", "0 cm/s"],
+        "second_liquid.density": "0.8 g/cm^3", "second_liquid.viscosity": "1 mPa*s",
+        "second_liquid.interface_tension": "50 mN/m", "gauges[0].diameter": "4.2 mm",
+        "obstacles[0].radius": "75 mm", "bodies[0].center": ["400 mm", "500 mm"],
     },
     "soft": {
         "particles[0].modulus": "10 kPa", "particles[0].radius": "3 mm", "liquid.surface_tension": "30 mN/m",
         "long_range_forces.debye_length": "10 nm", "films.roughness": "5 um",
+        "permeation.layer_height": "20 mm", "cell.size": ["10 mm", "35 mm"],
+        "particles[0].positions": [["3 mm", "4 mm"]],
+        "liquid.density": "1.03 g/cm^3", "liquid.temperature": "20 degC", "gravity": "981 cm/s^2",
     },
     "tracers": {
         "liquid.density": "1.03 g/cm^3", "liquid.viscosity": "2 mPa*s", "particles[0].radius": "5 um",
         "particles[0].density": "2.5 g/cm^3", "gravity": "981 cm/s^2", "liquid.temperature": "20 degC",
+        "flow.speed": "200 cm/s", "particles[0].velocity": ["150 mm/s", "0 mm/s"],
     },
 }  # fmt: skip
 SLIPS = [(model, key, value) for model, keys in MEANT.items() for key, value in keys.items()]

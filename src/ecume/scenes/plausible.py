@@ -43,14 +43,15 @@ THIN = 1e-4
 GAS = Range("", (0.02, 200.0), (1e-4, 1e3), ("g/cm^3", "g/m^3"), AIR_DENSITY)
 
 RANGES = (
-    Range(r"\w+ liquid\.surface_tension", (5e-4, 0.6), (1e-8, 3.0), ("mN/m",), TENSION),
+    Range(r"\w+ .*(surface_tension|interface_tension|largest_fall)", (5e-4, 0.6), (1e-8, 3.0), ("mN/m",), TENSION),
     Range(r"\w+ .*surface_energies\.\w+", (1e-5, 5.0), (1e-8, 20.0), ("mN/m",), TENSION),
     Range(r"\w+ liquid\.density", (500.0, 2e4), (0.05, 2.5e4), ("g/cm^3", "g/m^3"), WATER_DENSITY),
     Range(r"\w+ liquid\.gas_density", (GAS.usual[0], 2000.0), (GAS.possible[0], 2e4), GAS.units, AIR_DENSITY),
     Range(r"\w+ liquid\.gas_viscosity", (3e-6, 1.0), (1e-7, 1e12), ("mPa*s", "uPa*s"), (1.8e-5, "that of air")),
     Range(r"\w+ .*(density|densities)", (20.0, 2.5e4), (0.05, 2.5e4), ("g/cm^3", "g/m^3"), WATER_DENSITY),
-    Range(r"tracers liquid\.viscosity", (3e-6, 1.0), (1e-7, 1e12), ("mPa*s", "uPa*s"), (1e-3, "that of water")),
-    Range(r"\w+ liquid\.viscosity", (1e-5, 1.0), (1e-7, 1e12), ("mPa*s", "uPa*s"), (1e-3, "that of water")),
+    Range(r"tracers liquid\.viscosity", (3e-6, 0.9), (1e-7, 1e12), ("mPa*s", "uPa*s"), (1e-3, "that of water")),
+    Range(r"soft liquid\.viscosity", (1e-5, 200.0), (1e-7, 1e12), ("mPa*s", "uPa*s"), (1e-3, "that of water")),
+    Range(r"\w+ .*viscosity", (1e-5, 0.9), (1e-7, 1e12), ("mPa*s", "uPa*s"), (1e-3, "that of water")),
     Range(r"\w+ liquid\.temperature", (150.0, 3000.0), (1.0, 1e4), ("degC",)),
     Range(r"\w+ liquid\.sound_speed", (1e-3, 5e3), (1e-6, 2e4), ("cm/s", "mm/s"), (1482.0, "that of water")),
     Range(r"\w+ gravity", (0.1, 50.0), (1e-6, 1e5), ("cm/s^2", "mm/s^2"), (9.81, "that of the Earth")),
@@ -65,6 +66,11 @@ RANGES = (
     Range(r"soft .*(strength|critical_load|force)", (1e-15, 1.0), (1e-18, 1e6), ("uN", "mN", "nN")),
     Range(r"soft .*(pressure|stress|amplitude)", (1e-9, 1e8), (1e-12, 1e11), ("kPa", "Pa")),
     Range(r"floating (waves|activity)\..*(force|propulsion)", (1e-15, 1e-2), (1e-18, 10.0), ("uN", "mN", "nN")),
+    Range(r"floating surfactant\.diffusivity", (1e-13, 0.01), (1e-16, 10.0), ("cm^2/s", "mm^2/s", "um^2/s")),
+    Range(r"floating surfactant\.(spacing|.*radius)", (1e-7, 0.1), (1e-9, 10.0), LENGTHS),
+    Range(r"floating (surfactant|waves)\..*(position|place)", (1e-9, 1.0), (1e-9, 50.0), LENGTHS),
+    Range(r"floating (particles|rows)\.velocity", (1e-12, 0.9), (1e-12, 100.0), ("mm/s", "cm/s", "um/s")),
+    Range(r"sph gauges\.diameter", (1e-6, 1.0), (1e-9, 100.0), LENGTHS),
     Range(r"floating surfactant\..*release", (1e-15, 1e-3), (1e-21, 1.0), ("ug/s", "mg/s")),
     Range(r"floating surfactant\..*mass", (1e-15, 1e-3), (1e-21, 1.0), ("ug", "mg")),
     Range(r"floating activity\.torque", (1e-20, 1e-5), (1e-24, 1.0), ("nN*m", "uN*m")),
@@ -80,7 +86,8 @@ RANGES = (
     ),
     # Fields may be as large as oceans.
     Range(r"tracers .*\.(low|high|center|vertices|positions|heights)", (1e-12, 1e3), (1e-12, 1e8), LENGTHS),
-    Range(r"(soft|tracers) (particles|films)\..*", (1e-12, 10.0), (1e-12, 1e3), LENGTHS),
+    Range(r"soft (cell|particles|films|walls|permeation)\..*", (1e-12, 1.0), (1e-12, 1e3), LENGTHS),
+    Range(r"tracers particles\..*", (1e-12, 10.0), (1e-12, 1e3), LENGTHS),
     Range(
         r"(sph|tracers|soft) (tank|fluid|obstacles|bodies|gauges|spacing|cell|openings|walls|passive_tracers)\b.*",
         (1e-9, 30.0), (1e-9, 1e3), ("mm", "cm", "um"),
