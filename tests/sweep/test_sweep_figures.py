@@ -1,6 +1,7 @@
 """Figures of a sweep show the numbers of its table."""
 
 import csv
+import re
 from typing import ClassVar
 
 import numpy as np
@@ -9,6 +10,7 @@ from typer.testing import CliRunner
 
 from ecume.analysis.series import Mean
 from ecume.cli import app
+from ecume.cli.sweeps import _fit_all
 from ecume.errors import BadInput
 from ecume.show.style import figure
 from ecume.sweep import figures
@@ -242,6 +244,18 @@ def test_a_fit_finds_the_law_of_each_curve_and_states_its_interval(tmp_path, mon
         measured = [row for row in rows if row["curve"] == curve and row["quantity"] == "measured"]
         assert [row["runs"] for row in measured] == ["3"] * 5
         assert [float(row["error"]) for row in measured] == pytest.approx([0.01 / 3**0.5] * 5)
+
+
+def test_the_command_prints_the_fits_with_their_intervals_and_where_two_curves_differ(tmp_path, monkeypatch, capsys):
+    monkeypatch.setattr(figures, "open_sweep", lambda directory: Curve())
+    _fit_all(tmp_path, quiet=False)
+    printed = capsys.readouterr().out
+    (row,) = [line for line in printed.splitlines() if "liquid water" in line and "exponent" in line]
+    value, low, high = (float(word) for word in re.search(r"([0-9.]+) +([0-9.]+) to ([0-9.]+)", row).groups())
+    assert value == pytest.approx(0.5, abs=1e-3)
+    assert low <= value <= high
+    assert "liquid water differs from liquid oil most at 9: by -50 %" in printed
+    assert {path.name for path in tmp_path.iterdir()} == {"fit.png", "fit.csv"}
 
 
 def test_two_curves_are_compared_where_they_differ_most():

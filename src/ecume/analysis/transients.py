@@ -19,8 +19,10 @@ FEWEST = 8
 
 
 def since(frames: Sequence[Frame], start: Time, end: Time = math.inf) -> Sequence[Frame]:
-    """The frames from a time on, the one at this time included, up to another. Raises BadInput for too few."""
-    found = [frame for frame in frames if start * (1.0 - 1e-9) <= frame.time <= end * (1.0 + 1e-9)]
+    """The frames from a time on, the one at this time included, and before another, at which a frame shows what follows
+    a jump. Raises BadInput for too few.
+    """
+    found = [frame for frame in frames if start * (1.0 - 1e-9) <= frame.time < end * (1.0 - 1e-9)]
     if len(found) < FEWEST:
         raise BadInput(f"expected {FEWEST} frames or more from {start:g} s to {end:g} s; got {len(found)}")
     return found
@@ -118,9 +120,15 @@ def recovery(frames: Sequence[Frame], begun: Time, removed: Time) -> Recovery:
     ...     for t in np.arange(0.0, 31.0)]
     >>> round(recovery(frames, 0.0, 10.0).part, 3)
     0.4
+
+    The surfaces recover at once, so that the frame at the removal shows the packing without their strain. The strain
+    before follows from the last two frames of the creep, and that before the creep from the last frame then, if any.
     """
-    after = since(frames, removed)
-    (crept,), (strain,) = series(since(frames, begun, removed), number("strain")), series(after, number("strain"))
-    total = float(crept[-1] - crept[0])
-    returned = math.copysign(1.0, total) * (strain[0] - strain)
+    before, after = since(frames, begun, removed), since(frames, removed)
+    (crept,), (strain,) = series(before, number("strain")), series(after, number("strain"))
+    rest = [frame.numbers["strain"] for frame in frames if frame.time < begun * (1.0 - 1e-9)]
+    slope = (crept[-1] - crept[-2]) / (before[-1].time - before[-2].time)
+    reached = crept[-1] + slope * (removed - before[-1].time)
+    total = float(reached - (rest[-1] if rest else crept[0]))
+    returned = math.copysign(1.0, total) * (reached - strain)
     return Recovery(times(after) - after[0].time, np.asarray(returned), abs(total))

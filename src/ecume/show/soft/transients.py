@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import itertools
+import math
 from collections.abc import Iterator
 from typing import NamedTuple
 
 import numpy as np
 from matplotlib.figure import Figure
 
-from ecume.analysis.series import times
 from ecume.analysis.transients import recovery, relaxation, since, start_up
 from ecume.errors import BadInput
 from ecume.models.soft.protocol import SHEAR, ProtocolState, begun
@@ -27,7 +27,7 @@ class Turn(NamedTuple):
     start: float
     """s"""
     end: float
-    """s: the next moment, or the end of the run"""
+    """s: the next moment; infinite after the last"""
     since: float
     """s: the moment before, where the shear before it began"""
 
@@ -47,13 +47,13 @@ class Turn(NamedTuple):
         return bool(self.before.stressed and self.before.values[SHEAR] and not self.after.values[SHEAR])
 
 
-def turns(frames: Frames, scene: SoftScene) -> Iterator[Turn]:
+def turns(scene: SoftScene) -> Iterator[Turn]:
     """The moments of the protocol."""
-    course, last, previous = ProtocolState(), float(times(frames)[-1]), 0.0
+    course, previous = ProtocolState(), 0.0
     stages = expanded(scene.protocol)
     for stage, following in itertools.zip_longest(stages, stages[1:]):
         after = begun(course, stage)
-        yield Turn(course, after, stage.time, last if following is None else following.time, previous)
+        yield Turn(course, after, stage.time, math.inf if following is None else following.time, previous)
         course, previous = after, stage.time
 
 
@@ -61,7 +61,7 @@ def start_ups(frames: Frames, scene: SoftScene) -> Figure:
     """The shear stress over the strain since each flow began, with the peak and the steady stress."""
     require_box(scene, "stress")
     frames = list(frames)
-    found = [(turn, start_up(since(frames, turn.start, turn.end))) for turn in turns(frames, scene) if turn.starts]
+    found = [(turn, start_up(since(frames, turn.start, turn.end))) for turn in turns(scene) if turn.starts]
     if not found:
         raise BadInput("no flow at a shear_rate begins in the protocol, after a moment without")
     scale = scale_for(max(one.peak for _, one in found), frames[0].units["shear_stress"])
@@ -85,7 +85,7 @@ def relaxations(frames: Frames, scene: SoftScene) -> Figure:
     """The shear stress over the time since each flow stopped, over that at its end."""
     require_box(scene, "stress")
     frames = list(frames)
-    found = [(turn, relaxation(since(frames, turn.start, turn.end))) for turn in turns(frames, scene) if turn.stops]
+    found = [(turn, relaxation(since(frames, turn.start, turn.end))) for turn in turns(scene) if turn.stops]
     if not found:
         raise BadInput("no flow stops in the protocol; a moment with shear_rate = 0 stops it")
     with style():
@@ -107,8 +107,8 @@ def recoveries(frames: Frames, scene: SoftScene) -> Figure:
     require_box(scene, "strain")
     frames = list(frames)
     found = [
-        recovery([frame for frame in frames if frame.time <= turn.end * (1.0 + 1e-9)], turn.since, turn.start)
-        for turn in turns(frames, scene)
+        recovery([frame for frame in frames if frame.time < turn.end * (1.0 - 1e-9)], turn.since, turn.start)
+        for turn in turns(scene)
         if turn.releases
     ]
     if not found:
