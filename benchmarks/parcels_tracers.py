@@ -5,7 +5,8 @@
 PYTHON is an interpreter with parcels (`pip install parcels` in an environment of its own); without it ecume alone is
 measured. Both integrate the fourth-order method of Runge and Kutta with a step of 10 ms on 129 x 65 nodes; ecume with
 its stream function, which has no divergence, and linearly as parcels does. Times are processor times of one thread per
-particle and step, in turns; frames are included for ecume.
+particle and step, in turns; frames are included for ecume. The peak of memory is that of the process; that of ten
+million tracers is measured by `--count 10000000 --steps 2 --rounds 1`.
 """
 
 from __future__ import annotations
