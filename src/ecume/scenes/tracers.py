@@ -311,9 +311,6 @@ class ObstacleSpec:
     """The radius of a disc or sphere (m), together with `center`. Effect: larger obstacles reflect more particles."""
     vertices: tuple[Point, ...] = ()
     """The corners of a convex polygon or polyhedron (m). Effect: determines the shape of the obstacle."""
-    name: Name = ""
-    """The name of the obstacle in figures; by default `obstacle 1` and so on. Example: `"post"`. Effect: none on the
-    motion."""
     restitution: Proportion | None = None
     """The ratio C_R of normal velocities after and before a collision with the obstacle; by default that of the tank.
     Effect: 1 conserves the kinetic energy, 0 stops the normal motion."""

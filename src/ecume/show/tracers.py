@@ -146,7 +146,7 @@ def wall_names(scene: TracersScene) -> list[str]:
         else _faces(inside_of(scene.tank), 0, "wall")
     )
     bodies = [
-        _faces(body_of(body), scene.dimensions if body.low is not None else 0, body.name or f"obstacle {number}")
+        _faces(body_of(body), scene.dimensions if body.low is not None else 0, f"obstacle {number}")
         for number, body in enumerate(scene.obstacles, 1)
         for _ in copies_of(scene)
     ]
