@@ -137,7 +137,7 @@ def test_a_message_says_what_came_what_was_wanted_and_the_way_out() -> None:
         ('"20 s"', '"1 ms"', "frame_every", "got 0.05 s, longer than the duration, 0.001 s"),
         ('"50 ms"', '"1 ns"', "frame_every", "more than 1e+07"),
         ("1030.0", "1e300", "liquid.density", "expected 100000 or less"),
-        ("[dish]", "[dish]\nsize = [1, 1]", "dish", "got both"),
+        ("[dish]", "[dish]\nsize = [1, 1]", "dish", "got radius and size"),
         ("[dish]", "[dish]\nlaw = 3", "dish.law", "got 3; expected text"),
         ("[dish]", "[dish]\nlaw = '\\u001b[31m'", "dish.law", "contains characters that are not allowed"),
         ("[dish]", "[integration]\ntime_step = 1\n[dish]", "integration.time_step", "longer than frame_every"),
