@@ -41,8 +41,8 @@ for (const name of [...sources.map((one) => `src/${one}`), "build.mjs", "package
 }
 
 writeFileSync(join(out, "view.js"), await bundled("main.ts"));
-for (const name of ["play", "tank", "solver"]) writeFileSync(join(out, `${name}.js`), await bundled(`${name}.ts`));
-for (const name of ["play.html", "play.css", "tank.html"]) writeFileSync(join(out, name), readFileSync(join(here, "src", name), "utf8"));
+for (const name of ["play", "tank", "t1", "solver", "cluster"]) writeFileSync(join(out, `${name}.js`), await bundled(`${name}.ts`));
+for (const name of ["play.html", "play.css", "tank.html", "t1.html"]) writeFileSync(join(out, name), readFileSync(join(here, "src", name), "utf8"));
 writeFileSync(join(out, "view.css"), style);
 writeFileSync(join(out, "page.html"), readFileSync(join(here, "src/page.html"), "utf8"));
 writeFileSync(join(out, "LICENSES.txt"), licences.join("\n"));

@@ -55,6 +55,18 @@ export interface Poured extends Told {
   leaning: number; // rad
 }
 
+/** How four spheres stand now: lengths in radii, forces in F_N, times in eta R^2 / F_N. */
+export interface Pulled extends Told {
+  instant: number[]; // time, angle, gaps and tensions of the horizontal, vertical and diagonal films, sliding force
+  places: number[]; // x and y of the left, right, top and bottom sphere
+  past: number[][]; // time and the three gaps, step by step
+  steps: number;
+  duration: number | null;
+  outcome: string; // empty until it has ended
+  chosen: number[];
+  pull: [number, number]; // inward forces on the pairs
+}
+
 /** Where a page's simulation is: with the server that gave it out, or in the page. */
 export interface Asking {
   now<T extends Told>(): Promise<T>;

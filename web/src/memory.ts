@@ -1,32 +1,31 @@
-// The arguments of the compiled bowl in its memory: see ecume.show.play.memory.
+// The arguments of a compiled function in its memory: see ecume.show.play.memory.
 
-/** Name, type, sizes as pairs (a, b) for a floats + b, and value. */
-export type Slot = [name: string, kind: string, sizes: [number, number][] | null, value: number | string | boolean | number[] | null];
+/** Name, type, sizes as pairs (a, b) for a floats + b, and value; of an array in the memory of a larger one its name. */
+export type Slot = [name: string, kind: string, sizes: [number, number][] | null, value: number | string | boolean | (number | string)[] | null];
 
 export interface Compiled {
   memory: WebAssembly.Memory;
   __heap_base: WebAssembly.Global;
   memory_from(address: number): void;
-  advance(block: number): number;
-  renew(block: number): number;
-  swing(block: number): number;
 }
 
 const RESULT = 64; // bytes of the block before the arguments
 const BYTES: Record<string, number> = { float64: 8, int64: 8, uint32: 4 };
 
-/** The memory of a bowl with so many floats. */
+/** The memory of arguments, in a bowl for so many floats. */
 export class Memory {
   private readonly places = new Map<string, { at: number; kind: string; count: number }>();
   private readonly block: number;
-  private readonly numbers: number; // a block of five numbers
+  private readonly numbers: number; // a block of a few numbers
   private view: DataView;
+  private readonly memory: WebAssembly.Memory;
 
   constructor(
-    private readonly compiled: Compiled,
+    compiled: Compiled,
     slots: Slot[],
-    floats: number,
+    floats = 0,
   ) {
+    this.memory = compiled.memory;
     const shapes = slots.map(([, , sizes]) => sizes?.map(([each, rest]) => Math.max(0, Math.round(each * floats + rest))) ?? null);
     let top = compiled.__heap_base.value as number;
     const taken = (bytes: number): number => {
@@ -36,7 +35,12 @@ export class Memory {
     };
     this.block = taken(RESULT + 8 * slots.reduce((sum, [, , sizes]) => sum + (sizes ? 5 + 2 * sizes.length : 1), 0));
     this.numbers = taken(RESULT + 8 * 5);
-    const arrays = slots.map(([, kind], k) => (shapes[k] ? taken(BYTES[kind.split(" ")[0]] * product(shapes[k]!)) : 0));
+    const room = (kind: string, shape: number[]): number => taken(BYTES[kind.split(" ")[0]] * product(shape));
+    const arrays = slots.map(([, kind, , value], k) => (shapes[k] && typeof value !== "string" ? room(kind, shapes[k]!) : 0));
+    const numbered = new Map(slots.map(([name], k) => [name, k]));
+    slots.forEach(([, , , value], k) => {
+      if (shapes[k] && typeof value === "string") arrays[k] = arrays[numbered.get(value)!];
+    });
     const end = taken(1 << 20);
     const lacking = end + (1 << 20) - compiled.memory.buffer.byteLength;
     if (lacking > 0) compiled.memory.grow(Math.ceil(lacking / 65536));
@@ -64,12 +68,12 @@ export class Memory {
   }
 
   /** Write numbers to the beginning of an array, or one number. */
-  put(name: string, values: ArrayLike<number>): void {
+  put(name: string, values: ArrayLike<number | string>): void {
     const { at, kind } = this.places.get(name)!;
     const view = this.fresh();
     for (let k = 0; k < values.length; k++) {
       if (kind === "float64") view.setFloat64(at + 8 * k, Number(values[k]), true);
-      else if (kind === "uint32") view.setUint32(at + 4 * k, values[k], true);
+      else if (kind === "uint32") view.setUint32(at + 4 * k, Number(values[k]), true);
       else view.setBigInt64(at + 8 * k, BigInt(values[k]), true);
     }
   }
@@ -77,47 +81,41 @@ export class Memory {
   /** The numbers of an array of float64, as they lie there. */
   numbersOf(name: string): Float64Array {
     const { at, count } = this.places.get(name)!;
-    return new Float64Array(this.compiled.memory.buffer, at, count);
+    return new Float64Array(this.memory.buffer, at, count);
   }
 
-  get steps(): number {
-    return Number(this.fresh().getBigInt64(this.places.get("state.step")!.at, true));
+  /** Call an entry with at most RESULT / 8 numbers; where its result is. */
+  protected of(entry: (block: number) => number, numbers: number[]): number {
+    numbers.forEach((number, k) => this.fresh().setFloat64(this.numbers + RESULT + 8 * k, number, true));
+    entry(this.numbers);
+    return this.numbers;
   }
 
-  /** Take so many steps: 0 if all went well, otherwise the status of `ecume.models.model`. */
-  advance(steps: number): number {
-    const end = this.steps + steps;
-    for (;;) {
-      this.put("steps", [end - this.steps]);
-      if (this.compiled.advance(this.block) !== 0) return DIVERGED;
-      const status = Number(this.fresh().getBigInt64(this.block, true));
-      if (status !== OUTDATED) return status;
-      if (this.compiled.renew(this.block) !== 0) return DIVERGED;
-      if (this.fresh().getUint8(this.block) === 0) return CROWDED;
-    }
+  /** Call an entry with the arguments: whether all went well. */
+  protected call(entry: (block: number) => number): boolean {
+    return entry(this.block) === 0;
   }
 
-  /** Make the neighbor lists at the present positions. */
-  renew(): boolean {
-    return this.compiled.renew(this.block) === 0 && this.fresh().getUint8(this.block) !== 0;
+  /** A whole number among the arguments. */
+  protected whole(name: string): number {
+    return Number(this.fresh().getBigInt64(this.places.get(name)!.at, true));
   }
 
-  /** The slope of the liquid along an axis and its rate, a while later: `swung_along` of `ecume.show.play.bowl`. */
-  swing(slope: number, rate: number, aim: number, omega: number, seconds: number): [number, number] {
-    [slope, rate, aim, omega, seconds].forEach((number, k) => this.fresh().setFloat64(this.numbers + RESULT + 8 * k, number, true));
-    this.compiled.swing(this.numbers);
-    return [this.fresh().getFloat64(this.numbers, true), this.fresh().getFloat64(this.numbers + 8, true)];
+  /** Whether the last result is true. */
+  protected get well(): boolean {
+    return this.fresh().getUint8(this.block) !== 0;
   }
 
-  private fresh(): DataView {
-    if (this.view.buffer !== this.compiled.memory.buffer) this.view = new DataView(this.compiled.memory.buffer);
+  /** The first number of the last result. */
+  protected get answered(): number {
+    return Number(this.fresh().getBigInt64(this.block, true));
+  }
+
+  protected fresh(): DataView {
+    if (this.view.buffer !== this.memory.buffer) this.view = new DataView(this.memory.buffer);
     return this.view;
   }
 }
-
-const OUTDATED = -1;
-export const CROWDED = 1;
-export const DIVERGED = 2;
 
 function product(sizes: number[]): number {
   return sizes.reduce((one, other) => one * other, 1);

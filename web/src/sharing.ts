@@ -21,7 +21,7 @@ function where(): string {
 }
 
 /** Show a link and its code, and copy it where that is allowed; what is said of it. */
-export async function share(fragment: string): Promise<string> {
+export async function share(fragment: string, what = "bowl"): Promise<string> {
   const address = handed(fragment);
   if (window === window.top) history.replaceState(null, "", fragment);
   const shown = element<HTMLInputElement>("address");
@@ -30,6 +30,6 @@ export async function share(fragment: string): Promise<string> {
   element("code").hidden = LOCAL || !drawCode(element("code"), address);
   element("link-row").hidden = false;
   const copied = await navigator.clipboard?.writeText(address).then(() => true, () => false);
-  const said = copied ? "The link is copied: it holds the bowl as it is now." : "The link beside the bowl holds the bowl as it is now.";
+  const said = copied ? `The link is copied: it holds the ${what} as it is now.` : `The link beside the ${what} holds the ${what} as it is now.`;
   return said + where();
 }

@@ -3,7 +3,7 @@
 import type { Now } from "./asking";
 import { AS_GIVEN, type Alone, type Chapter, type Filled, type Float, type Kept } from "./chapters";
 import { linked, unlinked } from "./links";
-import { Memory, type Compiled } from "./memory";
+import { Floats, type CompiledBowl } from "./floats";
 
 const LONGEST = 0.1; // s of simulated time at once
 const BUDGET = 14; // ms of the clock between two pictures
@@ -16,7 +16,7 @@ type Liquids = Record<string, Filled>;
 type Choice = Omit<Kept, "floats">;
 
 export class Bowl {
-  private memory!: Memory;
+  private memory!: Floats;
   private choice: Choice;
   private floats: Float[];
   private hand: { one: number; x: number; y: number } | null = null;
@@ -31,7 +31,7 @@ export class Bowl {
   private readonly news: string[] = [];
 
   constructor(
-    private readonly compiled: Compiled,
+    private readonly compiled: CompiledBowl,
     private readonly alone: Alone,
     private readonly liquids: Liquids[],
   ) {
@@ -81,7 +81,7 @@ export class Bowl {
     const { slots, strength } = this.inDish;
     const kinds = floats.map(([species]) => this.kind(species));
     const { time, decay, gain, mobility } = this.kick;
-    const memory = new Memory(compiled, slots, floats.length);
+    const memory = new Floats(compiled, slots, floats.length);
     for (const [name, values] of Object.entries(filled.kinds)) {
       memory.put(`parameters.floats.${name}`, kinds.map((kind) => values[kind]!));
     }
@@ -336,7 +336,7 @@ globalThis.onmessage = async ({ data }: MessageEvent): Promise<void> => {
   try {
     if (what === "start") {
       const { instance } = await WebAssembly.instantiate(more.wasm as BufferSource);
-      bowl = new Bowl(instance.exports as unknown as Compiled, more.alone, more.liquids);
+      bowl = new Bowl(instance.exports as unknown as CompiledBowl, more.alone, more.liquids);
     } else if (what === "now") answer = bowl.now();
     else if (what === "scene") answer = bowl.scene();
     else if (what === "places") answer = bowl.places();

@@ -16,10 +16,16 @@ ecume._jit.threaded = ecume._jit.compiled
 import numba
 from numba_wasm import Entry, object_of
 
+from ecume.engine import root_finding
 from ecume.models.floating.time_integration.integration import integrate, renew_lists
+from ecume.models.soft import protocol
+from ecume.models.soft.integration import step_control
+from ecume.models.soft.report import energy_budget
+from ecume.models.soft.t1 import cluster, cluster_steps
 from ecume.scenes.load import load_scene
 from ecume.scenes.templates import folder
 from ecume.show.play.bowl import swung_along
+from ecume.show.play.four_spheres import cluster_arguments
 from ecume.show.play.memory import bowl_arguments, types_of
 
 HERE = Path(__file__).parent
@@ -32,8 +38,8 @@ def bowl() -> dict[str, Any]:
     return bowl_arguments(load_scene((folder() / "cereal-bowl.toml").read_text(encoding="utf-8")))
 
 
-def entries(arguments: dict[str, Any]) -> list[Entry]:
-    """What a page calls: steps, new neighbor lists, and the swing of the liquid."""
+def of_bowl(arguments: dict[str, Any]) -> list[Entry]:
+    """What the page of a bowl calls: steps, new neighbor lists, and the swing of the liquid."""
     kinds = tuple(map(numba.typeof, arguments.values()))
     number = numba.float64
     return [
@@ -43,32 +49,44 @@ def entries(arguments: dict[str, Any]) -> list[Entry]:
     ]
 
 
+def of_cluster(arguments: dict[str, Any]) -> list[Entry]:
+    """What the page of four spheres calls: the forces at rest, and a step."""
+    ecume._jit.admit(protocol, root_finding, step_control, energy_budget, cluster, cluster_steps)
+    kinds = tuple(map(numba.typeof, arguments.values()))
+    parts = {"begin": cluster_steps.begin, "follow": cluster_steps.follow_step}
+    made = [Entry(name, ecume._jit.compiled(function), kinds) for name, function in parts.items()]
+    return [*made, Entry("outcome", ecume._jit.compiled(cluster.outcome_at), (numba.float64,) * 3)]
+
+
 def run(*words: Any) -> None:
     """Run a command."""
     subprocess.run([str(word) for word in words], check=True)
 
 
 def build(python: str, target: Path) -> None:
-    """Compile, and link with Zig's exp, log, sin and cos, and musl's pow."""
+    """Compile, and link with Zig's elementary functions, and musl's pow."""
     zig = (python, "-m", "ziglang")
     found = subprocess.run([*zig, "env"], capture_output=True, text=True, check=True).stdout
     library = Path(next(line for line in found.splitlines() if "lib_dir" in line).split('"')[1])
     musl = library / "libc" / "musl"
     with tempfile.TemporaryDirectory() as name:
-        arguments = bowl()
-        work, made = Path(name), entries(arguments)
-        (target / "bowl.types").write_text(types_of(arguments), encoding="utf-8")
-        (work / "bowl.o").write_bytes(object_of(made))
+        work = Path(name)
         at = [HERE / "include", *(musl / part for part in ("src/math", "src/include", "src/internal", "include"))]
         searched = [f"-I{folder}" for folder in (*at, library / "libc" / "include" / "wasm-wasi-musl")]
         wasi = ("-target", "wasm32-wasi", "-nostdinc", "-isystem", library / "include")
         run(*zig, "cc", "-w", *wasi, "-O2", "-g0", "-c", HERE / "power.c", *searched, "-o", work / "pow.o")
-        archive = work / "libcompiler.a"
-        source = library / "compiler_rt.zig"
+        archive, functions = work / "libcompiler.a", work / "functions.o"
         options = ("-target", "wasm32-freestanding", "-O", "ReleaseFast", "-fstrip")
-        run(*zig, "build-lib", source, *options, "--name", "compiler", f"-femit-bin={archive}")
-        exports = [f"--export={one}" for one in (*EXPORTS, *(entry.name for entry in made))]
-        run(*zig, "wasm-ld", *FLAGS, *exports, work / "bowl.o", work / "pow.o", archive, "-o", target / "bowl.wasm")
+        run(*zig, "build-lib", library / "compiler_rt.zig", *options, "--name", "compiler", f"-femit-bin={archive}")
+        run(*zig, "build-obj", HERE / "functions.zig", *options, f"-femit-bin={functions}")
+        for module, given, calls in (("bowl", bowl, of_bowl), ("t1", cluster_arguments, of_cluster)):
+            arguments = given()
+            made = calls(arguments)
+            (target / f"{module}.types").write_text(types_of(arguments), encoding="utf-8")
+            (work / f"{module}.o").write_bytes(object_of(made))
+            exports = [f"--export={one}" for one in (*EXPORTS, *(entry.name for entry in made))]
+            objects = (work / f"{module}.o", work / "pow.o", functions, archive)
+            run(*zig, "wasm-ld", *FLAGS, *exports, *objects, "-o", target / f"{module}.wasm")
 
 
 if __name__ == "__main__":

@@ -21,8 +21,13 @@ from ecume._parts import libraries_are_parts
 
 FEATURES = "+simd128,+bulk-memory,+sign-ext,+nontrapping-fptoint,+mutable-globals"
 """What all browsers have had since 2021."""
-PROVIDED = {"exp", "log", "pow", "sin", "cos", "fmod", "floor", "ceil", "trunc", "memcpy", "memset", "memmove"}
-"""Undefined names that the linker finds in the libraries; all others end the module."""
+PROVIDED = {
+    "exp", "log", "pow", "sin", "cos", "sqrt", "atan2", "expm1", "log1p", "fmod", "floor", "ceil", "trunc",
+    "memcpy", "memset", "memmove",
+}  # fmt: skip
+"""Undefined names that the linker finds in the libraries; those of Python and of Numba's runtime end the module."""
+OF_C = re.compile(r"[a-z][a-z0-9]*")
+"""Names of C's libraries, which must be provided: a law calls them."""
 
 RUNTIME = """
 @here = global i32 0
@@ -239,17 +244,19 @@ def without_body(text: str, name: str) -> str:
 
 
 def _or_trap(found: re.Match[str]) -> str:
-    """What is not there for a page: a function that ends the module."""
+    """What is not there for a page: a function that ends the module; the stack of the error shows its name."""
     returned, name, arguments, _ = found.groups()
     known = name.startswith("llvm.") and not name.startswith("llvm.x86")
     if known or name in PROVIDED | DEFINED | {"rounded_twice"}:
         return found[0]
+    if OF_C.fullmatch(name):
+        raise ValueError(f"link {name} into pages, and name it in PROVIDED: laws call it")
     plain = [
         re.sub(r"\b(noalias|writeonly|readonly|immarg|captures\(none\))\s*", "", one) for one in arguments.split(",")
     ]
     kind = returned.replace("noalias", "").strip()
     body = "call void @llvm.trap()\n  unreachable" if name != SOLVER else "ret i64 0"
-    return f"define internal {kind} @{name}({', '.join(plain)}) {{\n  {body}\n}}"
+    return f"define internal {kind} @{name}({', '.join(plain)}) noinline {{\n  {body}\n}}"
 
 
 SOLVER = "ecume.engine.contact.impulse_solvers.nearest_velocity"

@@ -49,7 +49,8 @@ def view(
     """Play a run in the browser, or simulate a scene there.
 
     The page is a single HTML file that needs neither a server nor a network. Of a scene it simulates floats in a dish,
-    with the same compiled laws: drop and drag floats, tilt the dish, change the liquid.
+    with the same compiled laws: drop and drag floats, tilt the dish, change the liquid; or the four spheres of a T1
+    process: change their gap and the forces.
 
     Examples: `ecume view runs/bowl` · `ecume view runs/bowl --save bowl.html --max-size 8`
     · `ecume view runs/bowl --live` · `ecume view bowl.toml --save bowl.html`
@@ -122,7 +123,7 @@ def play(
         Path | None,
         typer.Argument(
             metavar="SCENE",
-            help="Scene of floats in a dish, or of a tank in 2D; default: a small bowl.",
+            help="Scene of floats in a dish, of a tank in 2D, or of a T1 process; default: a small bowl.",
             show_default=False,
         ),
     ] = None,
@@ -132,6 +133,7 @@ def play(
     """Play with a simulation in the browser while it runs.
 
     A bowl: drop and drag floats, tilt the dish, change the liquid. A tank: pour liquid, open a gate, push a wall, tilt.
+    A T1 process: change the gap and the forces.
     A bowl is simulated in the page where its laws are compiled into pages, otherwise by this program.
 
     Ends with Ctrl-C. `save as scene` on the page writes the present state as a scene in TOML.
@@ -140,10 +142,9 @@ def play(
     """
     from ecume.scenes.load import load_scene
     from ecume.scenes.templates import folder
-    from ecume.show.play.alone import alone, refusal
+    from ecume.show.play.alone import alone, parts_of, refusal
     from ecume.show.play.pages import Written, game_of
     from ecume.show.serving import served
-    from ecume.show.view.page import ALONE
 
     if tank and scene is not None:
         raise BadInput("got SCENE and --tank, which has a built-in tank; expected one of them")
@@ -153,7 +154,7 @@ def play(
     asked = load_scene(given, [*usual, *(overrides or [])])
     echo("starting; the first start compiles, which can take minutes ...")
     if not refusal(asked):
-        with served(Written(alone(asked), ALONE)) as address, offered(address, "play; Ctrl-C ends it"):
+        with served(Written(alone(asked), parts_of(asked))) as address, offered(address, "play; Ctrl-C ends it"):
             _wait()
         return
     game = game_of(asked)

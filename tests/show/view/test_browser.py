@@ -475,6 +475,67 @@ def test_axe_finds_no_violation_in_a_page_that_simulates(browser, simulating, sc
         shown.close()
 
 
+@pytest.fixture(scope="module")
+def four_spheres(tmp_path_factory):
+    """A page that simulates a T1 process, opened from the disk."""
+    written = tmp_path_factory.mktemp("spheres") / "t1.html"
+    save_alone(load_scene((folder() / "t1.toml").read_text()), written, 0.5)
+    return written.as_uri()
+
+
+def test_four_spheres_move_within_a_second_and_ask_nobody(tab, four_spheres):
+    ready = []
+    while not ready or (len(ready) < 20 and min(ready) > READY):
+        tab.goto(four_spheres)
+        tab.wait_for_selector("body[data-drawn]", timeout=30_000)
+        ready.append(tab.evaluate("performance.getEntriesByName('ready')[0].startTime"))
+    assert min(ready) < READY
+    label = tab.get_attribute("#canvas", "aria-label")
+    tab.get_by_role("button", name="4×", exact=True).press("Enter")
+    tab.wait_for_selector("#clock:has-text('neighbors exchanged after 48.')", timeout=60_000)
+    assert tab.get_attribute("#canvas", "aria-label") != label
+    assert "neighbors exchanged after 48." in tab.text_content("#heard")
+    assert tab.complaints == []
+    assert [request for request in tab.requests if not request.startswith("blob:")] == len(ready) * [four_spheres]
+
+
+def test_a_cluster_is_chosen_by_keys_and_links(tab, four_spheres):
+    tab.goto(four_spheres)
+    tab.wait_for_selector("body[data-drawn]", timeout=30_000)
+    gap = tab.get_by_role("slider", name="first gap of the cluster")
+    gap.press("ArrowRight")
+    tab.wait_for_selector("#sliders:has-text('0.1 R')")
+    tab.get_by_role("slider", name="inward pull of the sides of the cluster").press("End")
+    tab.get_by_role("button", name="4×", exact=True).press("Enter")
+    tab.wait_for_selector("#clock:has-text('blocked')", timeout=60_000)
+    tab.get_by_role("button", name="link").press("Enter")
+    tab.wait_for_selector("#address", state="visible")
+    link = tab.input_value("#address")
+    tab.goto("about:blank")
+    tab.goto(link)
+    tab.wait_for_selector("#sliders:has-text('0.1 R')", timeout=30_000)
+    tab.goto("about:blank")
+    tab.goto(f"{four_spheres}#<script>alert(1)</script>")
+    tab.wait_for_selector("#said:has-text('The link does not describe a cluster of this page.')", timeout=30_000)
+    assert tab.complaints == []
+
+
+@pytest.mark.skipif(not AXE.exists(), reason="axe-core is not installed: `npm ci` in web/")
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+def test_axe_finds_no_violation_in_the_page_of_four_spheres(browser, four_spheres, scheme):
+    for size in ({"width": 1280, "height": 800}, {"width": 390, "height": 844}):
+        shown = browser.new_page(viewport=size, color_scheme=scheme)
+        on_site(shown, four_spheres)
+        shown.wait_for_selector("body[data-drawn]", timeout=30_000)
+        shown.get_by_role("button", name="link").click()
+        shown.wait_for_selector("#code", state="visible")
+        shown.evaluate(AXE.read_text(encoding="utf-8"))
+        found = shown.evaluate("axe.run()")
+        assert [(one["id"], one["nodes"][0]["html"]) for one in found["violations"]] == []
+        assert len(found["passes"]) > 15
+        shown.close()
+
+
 @contextlib.contextmanager
 def played(name, changes):
     """A template that somebody plays with, and the address of its page."""

@@ -93,17 +93,16 @@ def interval_at(protocol: Protocol, time: float) -> int:
 def drive_at(protocol: Protocol, time: float, interval: int | None = None) -> Drive:
     """The imposed values at a time, in the given interval; default: the one that contains it."""
     which = interval_at(protocol, time) if interval is None else interval
-    since = time - float(protocol.times[which])
-    load, strain, scale, height, shear, normal, wall_shear = (
-        float(value + slope * since) for value, slope in protocol.courses[which]
-    )
-    rate = float(protocol.courses[which, STRAIN, 1])
-    of_strain, of_stress, pace = map(float, protocol.waves[which])
+    since, course, wave = time - float(protocol.times[which]), protocol.courses[which], protocol.waves[which]
+    now = course[:, 0] + course[:, 1] * since
+    load, strain, scale, height = float(now[LOAD]), float(now[STRAIN]), float(now[SCALE]), float(now[HEIGHT])
+    shear, normal, wall_shear = float(now[SHEAR]), float(now[NORMAL]), float(now[WALL_SHEAR])
+    rate, pace, of_strain, of_stress = float(course[STRAIN, 1]), float(wave[2]), float(wave[0]), float(wave[1])
     if pace > 0.0:
         strain += of_strain * math.sin(pace * since)
         rate += pace * of_strain * math.cos(pace * since)
         shear += of_stress * math.sin(pace * since)
-    growth, height_rate = float(protocol.courses[which, SCALE, 1]) / scale, float(protocol.courses[which, HEIGHT, 1])
+    growth, height_rate = float(course[SCALE, 1]) / scale, float(course[HEIGHT, 1])
     return Drive(load, strain, rate, scale, growth, height, height_rate, shear, normal, wall_shear)
 
 

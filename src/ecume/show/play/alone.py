@@ -1,4 +1,4 @@
-"""A bowl that a page simulates by itself: the same compiled laws as WebAssembly, and the numbers that it needs."""
+"""Scenes that a page simulates by itself: the same compiled laws as WebAssembly, and the numbers that it needs."""
 
 from __future__ import annotations
 
@@ -13,11 +13,13 @@ from typing import Any
 from ecume.errors import BadInput
 from ecume.scenes.floating import FloatingScene, FloatSpec
 from ecume.scenes.load import load_scene
+from ecume.scenes.soft import SoftScene
 from ecume.scenes.templates import folder
 from ecume.show.play.bowl import FASTEST, GRASP, STEEPEST_DISH
+from ecume.show.play.four_spheres import offered_clusters, page_header, pulled_in
 from ecume.show.play.memory import bowl_arguments, types_of
 from ecume.show.play.offered import ROOM, Chapter, chapter
-from ecume.show.view.page import ALONE, bundled, data_of, filled, hexadecimal, json_of
+from ecume.show.view.page import ALONE, FOUR_SPHERES, Parts, bundled, data_of, filled, hexadecimal, json_of
 from ecume.trajectories.records import write_whole
 
 SPEEDS = (0.0, 0.25, 1.0, 4.0)
@@ -28,6 +30,8 @@ GALLERY = ("cereal-bowl", "bubbles-and-beads", "wall-climbing", "original-2022")
 
 def refusal(scene: Any) -> str:
     """The reason why a page cannot simulate a scene; empty if it can."""
+    if scene.model == "soft":
+        return "" if pulled_in(scene) else "of soft spheres, a page simulates the four of a T1 process; got other ones"
     if scene.model != "floating":
         return f"a page simulates floats in a dish; got the model {scene.model!r}. `ecume view RUN` plays a run of it"
     if scene.dish is None:
@@ -64,11 +68,39 @@ def chapters(scene: FloatingScene) -> list[Chapter]:
     return [chapter(scene, scene.title or "A bowl", _color), *others]
 
 
+def parts_of(scene: Any) -> Parts:
+    """The files of the page."""
+    return FOUR_SPHERES if scene.model == "soft" else ALONE
+
+
 def alone(scene: Any) -> str:
-    """The page of a bowl that simulates by itself. Raises BadInput for scenes that it cannot."""
+    """The page of a scene that simulates by itself. Raises BadInput for scenes that it cannot."""
     why = refusal(scene)
     if why:
         raise BadInput(why)
+    header, data = _of_cluster(scene) if scene.model == "soft" else _of_bowl(scene)
+    given = [data_of("toy", "application/json", json_of(header)), *data]
+    return filled(parts_of(scene), str(header["title"]), "\n".join(given), live=False)
+
+
+def _of_cluster(scene: SoftScene) -> tuple[dict[str, Any], list[str]]:
+    pulled = pulled_in(scene)
+    assert pulled is not None  # noqa: S101  # see `refusal`
+    cases = json.dumps(offered_clusters(pulled), separators=(",", ":"), allow_nan=False)
+    return page_header(scene), _data("cases", cases, "t1.wasm", "cluster.js")
+
+
+def _data(name: str, numbers: str, wasm: str, worker: str) -> list[str]:
+    """What the worker simulates with."""
+    code = resources.files("ecume.show.view").joinpath("bundle", wasm).read_bytes()
+    return [
+        data_of(name, "text/plain", _packed(numbers.encode())),
+        data_of("wasm", "text/plain", _packed(code)),
+        data_of("worker", "text/plain", bundled(worker)),
+    ]
+
+
+def _of_bowl(scene: FloatingScene) -> tuple[dict[str, Any], list[str]]:
     made = chapters(scene)
     header = {
         "title": made[0].header["title"],
@@ -80,14 +112,7 @@ def alone(scene: Any) -> str:
         "chapters": [one.header for one in made],
     }
     liquids = json.dumps([one.liquids for one in made], separators=(",", ":"), allow_nan=False)
-    wasm = resources.files("ecume.show.view").joinpath("bundle", "bowl.wasm").read_bytes()
-    data = [
-        data_of("toy", "application/json", json_of(header)),
-        data_of("liquids", "text/plain", _packed(liquids.encode())),
-        data_of("wasm", "text/plain", _packed(wasm)),
-        data_of("worker", "text/plain", bundled("solver.js")),
-    ]
-    return filled(ALONE, str(header["title"]), "\n".join(data), live=False)
+    return header, _data("liquids", liquids, "bowl.wasm", "solver.js")
 
 
 def _packed(content: bytes) -> str:
@@ -95,7 +120,7 @@ def _packed(content: bytes) -> str:
 
 
 def save_alone(scene: Any, target: Path, max_size: float) -> int:
-    """Write the page of a bowl to a file. Returns its size in bytes. Raises BadInput if that is above the largest size
+    """Write the page of a scene to a file. Returns its size in bytes. Raises BadInput if that is above the largest size
     in MB.
     """
     content = alone(scene).encode()

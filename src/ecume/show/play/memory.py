@@ -46,15 +46,38 @@ def kind_of(value: Any) -> str:
 
 def slots(arguments: dict[str, Any]) -> list[list[Any]]:
     """Name, type, shape and value of each number and array, in the order of the arguments. Numbers have no shape, and
-    arrays of zeros no value.
+    arrays of zeros no value; that of an array in the memory of a larger one is the name of the larger one.
+
+    >>> both = np.ones((2, 3))
+    >>> [value for *_, value in slots({"row": both[0], "both": both})]
+    ['both', [1.0, 1.0, 1.0, 1.0, 1.0, 1.0]]
     """
     found = []
-    for name, value in (leaf for key, each in arguments.items() for leaf in leaves(each, key)):
+    named = [leaf for key, each in arguments.items() for leaf in leaves(each, key)]
+    holders = holders_of([(name, value) for name, value in named if isinstance(value, np.ndarray) and value.size])
+    for name, value in named:
         if isinstance(value, np.ndarray):
             numbers = value.ravel().tolist() if value.any() else None
-            found.append([name, kind_of(value), list(value.shape), numbers])
+            found.append([name, kind_of(value), list(value.shape), holders.get(name, numbers)])
         else:
             found.append([name, kind_of(value), None, value.item() if isinstance(value, np.generic) else value])
+    return found
+
+
+def holders_of(arrays: list[Named]) -> dict[str, str]:
+    """The arrays that lie in the memory of larger ones, with the names of those: what a step writes into one of them it
+    reads from the other. Raises ValueError for one that does not begin where the larger one does.
+    """
+    found: dict[str, str] = {}
+    holder, begin, end = "", 0, 0
+    for name, array in sorted(arrays, key=lambda one: (one[1].ctypes.data, -one[1].nbytes)):
+        at = array.ctypes.data
+        if at >= end:
+            holder, begin, end = name, at, at + array.nbytes
+        elif at == begin:
+            found[name] = holder
+        else:
+            raise ValueError(f"{name} begins within {holder}; a page has room only for arrays that begin with it")
     return found
 
 

@@ -334,16 +334,17 @@ def stake(step: Step) -> float:
     """The energy scale of tolerances (J): the work of contact forces if each gap opened by its width and each gap
     vector turned by a radian.
     """
-    between = _stake(step.responses.force, step.films.direction, exp(step.films.log_gap), step.pairs.radius_sum)
+    between = stake_of(step.responses.force, step.films.direction, exp(step.films.log_gap), step.pairs.radius_sum)
     if not step.walls:
         return between
     places, touches = step.walls
     films = touches.glue == 0.0
     force, normal, gap = touches.force[films], places.normal[touches.wall[films]], exp(touches.log_gap[films])
-    return between + _stake(force, normal, gap, touches.radius[films])
+    return between + stake_of(force, normal, gap, touches.radius[films])
 
 
-def _stake(force: Array, normal: Array, gap: Array, radius_sum: Array) -> float:
+def stake_of(force: Array, normal: Array, gap: Array, radius_sum: Array) -> float:
+    """The same from forces (N) and gap vectors of contacts."""
     pull = np.abs((force * normal).sum(axis=1))
     along = np.sqrt(np.maximum((force**2).sum(axis=1) - pull**2, 0.0))
     return float((pull * gap + along * (radius_sum + gap)).sum())

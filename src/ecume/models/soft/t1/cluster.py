@@ -15,7 +15,7 @@ import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import partial
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -38,6 +38,8 @@ APART, MET = 1.0, 0.2
 """The gap of diagonals (radii) at which a cluster has dissociated, and the gap of the vertical pair below which it had
 exchanged neighbors before it was pulled apart.
 """
+THRESHOLD = 0.9
+"""The part of the forces at which the process is complete unless another is asked for."""
 LONGEST = 1e10
 """s: the longest duration of a scene."""
 PATIENCE = 30.0
@@ -47,6 +49,8 @@ plus 60 units.
 SQRT3 = math.sqrt(3.0)
 HORIZONTAL, DIAGONAL, VERTICAL = 0, 1, 5
 """Places of the contacts (0, 1), (0, 2) and (2, 3) among the six."""
+DIAGONALS = (1, 2, 3, 4)
+"""Places of the contacts of the diagonals."""
 
 
 class Instant(NamedTuple):
@@ -165,16 +169,22 @@ def result_of(
     thresholds never reached.
     """
     last = found[-1]
-    outcome = "t1" if math.isfinite(last) else _end(series)
+    least = min(instant.gap_vertical for instant in series)
+    outcome = OUTCOMES[outcome_at(last, series[-1].gap_diagonal, least)]
     durations = dict(zip(thresholds, found, strict=True))
     return T1(last, math.isfinite(last), outcome, durations, kappa, *effort, tuple(series))
 
 
-def _end(series: Sequence[Instant]) -> str:
-    """The outcome for a cluster whose vertical pair never carried its part."""
-    if series[-1].gap_diagonal <= APART:
-        return "blocked"
-    return "t1" if min(instant.gap_vertical for instant in series) < MET else "dissociated"
+OUTCOMES = ("t1", "blocked", "dissociated")
+
+
+def outcome_at(found: float, gap_diagonal: float, least_vertical: float) -> int:
+    """The index in OUTCOMES of a cluster that completed at the time `found`, infinite if it never did, and ended with
+    this diagonal gap; `least_vertical` is the smallest gap that the vertical pair had.
+    """
+    if found < math.inf or (gap_diagonal > APART and least_vertical < MET):
+        return 0
+    return 1 if gap_diagonal <= APART else 2
 
 
 class ReachedGoals(NamedTuple):
@@ -191,21 +201,29 @@ def no_goals_reached(goals: Sequence[float]) -> ReachedGoals:
     return ReachedGoals(np.full(len(goals), math.inf), np.full(len(goals), math.inf))
 
 
+def goals_of(forces: tuple[float, float], thresholds: Sequence[float]) -> Array:
+    """The forces (F_N) of the vertical pair that are parts of F_v - F_h/sqrt(3)."""
+    horizontal, vertical = forces
+    return np.array([one * (vertical - horizontal / SQRT3) / abs(horizontal - vertical / SQRT3) for one in thresholds])
+
+
 def watch(
-    goals: Sequence[float], seen: ReachedGoals, begin: Instant, end: Instant, crossing: Callable[[float], float]
-) -> bool:
-    """Record the goals reached in a step. Returns whether all are reached; `crossing` computes the time at which a
-    force is reached.
+    goals: Sequence[float] | Array, seen: ReachedGoals, begin: Instant, end: Instant,
+    crossing: Callable[[Any, float], float], given: Any,
+) -> bool:  # fmt: skip
+    """Record the goals reached in a step. Returns whether all are reached; `crossing(given, goal)` computes the time at
+    which a force is reached.
 
     At first the distant vertical pair has a peak of force: a wide film has a large contact, and its surface is stiff.
     So a time counts once the vertical pair is the closer one, and only if the force has not fallen below since. A goal
     that is not positive is never reached.
     """
-    for k, goal in enumerate(goals):
+    for k in range(len(goals)):
+        goal = goals[k]
         if goal <= 0.0 or -end.tension_vertical < goal:
             seen.since[k] = math.inf
         elif -begin.tension_vertical < goal:
-            seen.since[k] = crossing(goal)
+            seen.since[k] = crossing(given, goal)
         if end.gap_vertical < end.gap_horizontal:
             seen.found[k] = min(seen.found[k], seen.since[k])
     return bool(np.isfinite(seen.found).all())
@@ -349,13 +367,13 @@ def follow_symmetric(
     kappa, scale = abs(forces[0] - forces[1] / SQRT3), max(map(abs, forces))
     factors = prefactors_of(FilmSpec(prefactors=prefactors))
     pull = Pull(forces[0] / scale, forces[1] / scale, scale, kappa / scale, ramp, factors)
-    goals = [one * (forces[1] - forces[0] / SQRT3) / kappa for one in thresholds]
+    goals = goals_of(forces, thresholds).tolist()
     series, seen = [_instant(pull, 0.0, _start(gap), np.zeros(2))], no_goals_reached(goals)
     steps, left = 0, 0.0
     for end, between, residual in _steps(pull, gap, horizon(gap, kappa, prefactors, ramp), tolerance):
         begin, steps, left = series[-1], steps + 1, max(left, residual)
         series.append(end)
-        if watch(goals, seen, begin, end, partial(_crossing, pull, begin, end, between)) or end.gap_diagonal > APART:
+        if watch(goals, seen, begin, end, _crossing, (pull, begin, end, between)) or end.gap_diagonal > APART:
             break
     return result_of(series, list(seen.found), thresholds, kappa, Effort(steps, 0, left))
 
@@ -411,11 +429,11 @@ def _instant(pull: Pull, time: float, state: Array, guess: Array) -> Instant:
     )
 
 
-def _crossing(pull: Pull, begin: Instant, end: Instant, between: Between, goal: float) -> float:
+def _crossing(given: tuple[Pull, Instant, Instant, Between], goal: float) -> float:
     """The time within a step at which the vertical pair carries the force `goal`."""
     from scipy.optimize import brentq
 
-    guess = np.zeros(2)
+    (pull, begin, end, between), guess = given, np.zeros(2)
 
     def missing(time: float) -> float:
         return goal + _instant(pull, time, between(time), guess).tension_vertical

@@ -10,7 +10,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from functools import partial
 from typing import NamedTuple
 
 import numpy as np
@@ -36,6 +35,7 @@ from ecume.models.soft.t1.cluster import (
     VERTICAL,
     Effort,
     Instant,
+    goals_of,
     no_goals_reached,
     result_of,
     watch,
@@ -213,7 +213,7 @@ def follow(
     length = min(kappa, 0.1 * ramp) if how[1] is None else how[1]
     require_positive("time_step", length)
     length = ramp / math.ceil(ramp / length * (1.0 - 1e-9))  # the ramp ends between two steps
-    goals = [one * (vertical - horizontal / SQRT3) / kappa for one in thresholds]
+    goals = goals_of(forces, thresholds).tolist()
     course = Course(length, ramp, SCHEMES[how[0]], max(1, round(scene.duration / (LOOKS * 30.0 * length))))
     if scene.duration >= LONGEST or scene.duration / (10.0 * length) > MOST_STEPS:
         raise BadInput(f"steps of {length:.3g} would be more than {MOST_STEPS:.0e}; expected method='implicit'")
@@ -223,7 +223,7 @@ def follow(
             series.append(_instant(now, kappa, scene))
             steps += course.every
             begin = series[-2] if len(series) > 1 else series[-1]._replace(time=0.0, tension_vertical=0.0)
-            done = watch(goals, seen, begin, series[-1], partial(_crossing, begin, series[-1]))
+            done = watch(goals, seen, begin, series[-1], _crossing, (begin, series[-1]))
             if done or series[-1].gap_diagonal > APART:
                 return result_of(series, list(seen.found), thresholds, kappa, Effort(steps, 0, drift / kappa))
     return result_of(series, list(seen.found), thresholds, kappa, Effort(steps, 0, drift / kappa))
@@ -262,8 +262,9 @@ def _instant(row: Array, kappa: float, scene: SoftScene) -> Instant:
     )
 
 
-def _crossing(before: Instant, after: Instant, goal: float) -> float:
+def _crossing(given: tuple[Instant, Instant], goal: float) -> float:
     """The time at which a force is reached between two rows, by linear interpolation."""
+    before, after = given
     low, high = -before.tension_vertical, -after.tension_vertical
     part = (goal - low) / (high - low) if low < goal < high else 1.0
     return before.time + part * (after.time - before.time)

@@ -7,50 +7,37 @@ the tension on the film of the horizontal pair. Tension is positive.
 
 from __future__ import annotations
 
-import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
-from functools import partial
-from typing import NamedTuple, cast
+from typing import cast
 
 import numpy as np
 
-from ecume._portable import exp, product
 from ecume.errors import BadInput, Diverged
 from ecume.laws.arguments import chosen, require_finite, require_number, require_positive
 from ecume.laws.soft_pair import PREFACTORS
-from ecume.models.soft.integration.dirk_schemes import SCHEMES
-from ecume.models.soft.integration.linear_solvers import attempt, begin_step
-from ecume.models.soft.integration.time_stepping import one_step
-from ecume.models.soft.parameters import Parameters
-from ecume.models.soft.protocol import drive_at, interval_at, rules_at
+from ecume.models.soft.contacts.rotation import turned_orientation
 from ecume.models.soft.setup import parameters_of, start
-from ecume.models.soft.state import ACCEPTED, CLOCK, REJECTED, State, Step, StepRequest, Workspace, workspace
+from ecume.models.soft.state import ACCEPTED, REJECTED, workspace
 from ecume.models.soft.t1 import paper_scheme
 from ecume.models.soft.t1.cluster import (
-    APART,
-    DIAGONAL,
-    HORIZONTAL,
     SQRT3,
     T1,
-    VERTICAL,
+    THRESHOLD,
     Effort,
     Instant,
     Units,
     follow_symmetric,
+    goals_of,
     horizon,
-    no_goals_reached,
     parting,
     result_of,
     seconds,
     t1_scene,
-    watch,
 )
+from ecume.models.soft.t1.cluster_steps import begin, cluster_of, has_ended, noted, take_step
 from ecume.scenes.soft import SoftScene
-from ecume.units import Array
 
-DIAGONALS = [1, 2, 3, 4]
-"""Indices of the contacts of the diagonals."""
 FAINT, FAINTEST = 5e-7, 1e-12
 """Below the first kappa the deflections are separate unknowns, since positions resolve them only to 4e-16 radii. Below
 the second kappa the result would not differ from that of rigid spheres.
@@ -65,8 +52,6 @@ EQUAL = 1e-12
 """The relative distance of forces from the boundary between outcomes below which the driving force vanishes."""
 TOLERANCES = 1e-11, 1e-2
 """The range of `rtol`, as in a scene."""
-CLOSE = 1e-13
-"""The accuracy of the time of a threshold, over the length of a step."""
 
 
 def t1_process(
@@ -77,7 +62,7 @@ def t1_process(
     prefactors: str = "paper",
     force_ratio: float | None = None,
     ramp: float = 0.01,
-    threshold: float | Sequence[float] = 0.9,
+    threshold: float | Sequence[float] = THRESHOLD,
     rtol: float = 1e-8,
     rotation: bool = False,
     method: str = "implicit",
@@ -211,112 +196,17 @@ def follow(
     state = start(scene, parameters)
     kappa = abs(horizontal - vertical / SQRT3)
     unit = Units(units[0], units[1] * kappa, units[2])
-    goals = [one * (vertical - horizontal / SQRT3) / kappa for one in thresholds]
-    scratch = workspace(parameters, state, 1.0)
-    series, seen, drift = [_first(parameters, scratch, unit)], no_goals_reached(goals), 0.0
-    for span in _spans(parameters, state, scratch, unit):
-        series.append(span.end)
-        drift = max(drift, float(np.abs(scratch.step.bodies.right).max()) / unit.force)
-        done = watch(goals, seen, span.begin_step, span.end, partial(_crossing, parameters, span, scratch, unit))
-        if done or span.end.gap_diagonal > APART:
-            break
+    step = workspace(parameters, state, 1.0).step
+    cluster = cluster_of(parameters, state, step, unit, goals_of(forces, thresholds))
+    begin(cluster)
+    series, drift, ended = [noted(cluster, 1)], 0.0, False
+    while not ended:
+        if not take_step(cluster):
+            raise Diverged(f"at t = {series[-1].time:g} no step is short enough; look at the gap and the forces")
+        series.append(Instant(*map(float, noted(cluster, 1))))
+        drift = max(drift, float(np.abs(step.bodies.right).max()) / unit.force)
+        state.orientation[:] = turned_orientation(state.orientation, step.spins.turn / parameters.radius[:, None])
+        ended = has_ended(cluster)
     turned = float(np.abs(state.orientation).max(initial=0.0))
     effort = Effort(int(state.tally[ACCEPTED]), int(state.tally[REJECTED]), drift, turned)
-    return result_of(series, list(seen.found), thresholds, kappa, effort)
-
-
-class Span(NamedTuple):
-    """The start of a step, to which it can return, and its end."""
-
-    begin_step: Instant
-    end: Instant
-    position: Array
-    log_gap: Array
-    direction: Array
-
-
-def _spans(parameters: Parameters, state: State, scratch: Workspace, unit: Units) -> Iterator[Span]:
-    """Yield the steps up to the horizon."""
-    step, instant = scratch.step, _first(parameters, scratch, unit)
-    across = state.position[1] - state.position[0]
-    axes = np.array([[across[0], across[1]], [-across[1], across[0]]]) / math.hypot(across[0], across[1])
-    while state.step[0] < parameters.steps_per_frame:
-        begin_step, kept = instant, (step.bodies.before.copy(), step.log_gap.copy(), step.direction.copy())
-        if one_step(parameters, state, scratch) is None:
-            raise Diverged(f"at t = {begin_step.time:g} no step is short enough; look at the gap and the forces")
-        instant = _instant(scratch, float(state.pace[CLOCK]) / unit.time, unit)
-        _mirror(state, step, axes)
-        yield Span(begin_step, instant, *kept)
-
-
-def _mirror(state: State, step: Step, axes: Array) -> None:
-    """Remove the rounding errors of the two mirror symmetries of the cluster.
-
-    Forces with fixed directions make a compressed cluster unstable against rotation, like a rod between two fingers:
-    from one part in 1e16 this happens in processes of 1e5 units.
-    """
-    place, direction = product(state.position, axes.T), product(state.direction, axes.T)
-    for group, vectors in ((slice(0, 2), place), (slice(2, 4), place), (DIAGONALS, direction)):
-        vectors[group] = np.sign(vectors[group]) * np.abs(vectors[group]).mean(axis=0)
-    place[:2, 1] = place[2:, 0] = direction[HORIZONTAL, 1] = direction[VERTICAL, 0] = 0.0
-    state.log_gap[DIAGONALS] = state.log_gap[DIAGONALS].mean()
-    state.position[:] = product(place, axes)
-    state.direction[:] = product(direction, axes) / np.linalg.norm(direction, axis=1)[:, None]
-    step.bodies.before[:], step.log_gap[:] = state.position, state.log_gap
-    step.direction[:, :2] = state.direction
-
-
-def _first(parameters: Parameters, scratch: Workspace, unit: Units) -> Instant:
-    """The instant at the start."""
-    begin_step(parameters, scratch.step, drive_at(parameters.protocol, 0.0))
-    return _instant(scratch, 0.0, unit)
-
-
-def _instant(scratch: Workspace, time: float, unit: Units) -> Instant:
-    """The quantities of a series at the end of a step, from the last solution in `films` and `responses`."""
-    films, force = scratch.step.films, scratch.step.responses.force
-    gap, tension = exp(films.log_gap) / unit.length, (force * films.direction).sum(axis=1) / unit.force
-    x, y, _ = films.direction[DIAGONAL]
-    return Instant(
-        time=time,
-        angle=_diagonal_angle(scratch),
-        gap_horizontal=float(gap[HORIZONTAL]),
-        gap_vertical=float(gap[VERTICAL]),
-        gap_diagonal=float(gap[DIAGONAL]),
-        tension_horizontal=float(tension[HORIZONTAL]),
-        tension_vertical=float(tension[VERTICAL]),
-        tension_diagonal=float(tension[DIAGONAL]),
-        sliding_force=float(force[DIAGONAL] @ (y, -x, 0.0)) / unit.force,
-    )
-
-
-def _diagonal_angle(scratch: Workspace) -> float:
-    """The angle between the diagonal and the horizontal pair, from the centers (rad)."""
-    place = scratch.step.bodies.position
-    across, along = place[1] - place[0], place[2] - place[0]
-    return math.atan2(float(across[0] * along[1] - across[1] * along[0]), float(across @ along))
-
-
-def _crossing(parameters: Parameters, span: Span, scratch: Workspace, unit: Units, goal: float) -> float:
-    """The time within the last step at which the vertical pair carries the force `goal`, by shorter steps."""
-    from scipy.optimize import brentq
-
-    step, scheme = scratch.step, SCHEMES[parameters.scheme].tableau
-    kept = step.bodies.before.copy(), step.log_gap.copy(), step.direction.copy()
-
-    begin_step = unit.time * span.begin_step.time
-    interval = interval_at(parameters.protocol, begin_step)
-
-    def missing(length: float) -> float:
-        step.bodies.before[:], step.log_gap[:], step.direction[:] = span.position, span.log_gap, span.direction
-        times = begin_step + length * scheme.times
-        drives = np.array([drive_at(parameters.protocol, float(time), interval) for time in times])
-        during = StepRequest(length, drives, parameters.tolerance)
-        attempt(parameters, scratch, during, rules_at(parameters.protocol, interval), np.zeros(3, np.int64))
-        return goal + _instant(scratch, span.end.time, unit).tension_vertical
-
-    length = unit.time * span.end.time - begin_step
-    if missing(1e-9 * length) > 0.0 > missing(length):
-        length = float(brentq(missing, 1e-9 * length, length, xtol=CLOSE * length))
-    step.bodies.before[:], step.log_gap[:], step.direction[:] = kept
-    return span.begin_step.time + length / unit.time
+    return result_of(series, cluster.seen.found.tolist(), thresholds, kappa, effort)
