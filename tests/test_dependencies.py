@@ -223,20 +223,34 @@ SIGNATURE = _parts.types.Array(_parts.types.float64, 1, "C")
 
 
 def test_the_key_changes_with_the_types_the_target_and_the_compiler(monkeypatch):
-    disk, target = _parts.DiskCache(added.py_func), added.targetctx.codegen()
+    disk, target = added._cache, added.targetctx.codegen()
     name = disk.file_name((SIGNATURE,), target)
     assert name == disk.file_name((SIGNATURE,), target)
     other = SimpleNamespace(magic_tuple=lambda: ("another", "processor", ""))
     assert name != disk.file_name((SIGNATURE,), other)
     assert name != disk.file_name((SIGNATURE.copy(dtype=_parts.types.float32),), target)
-    assert name != _parts.PartCache(added.py_func).file_name((SIGNATURE,), target)
+    assert name != added.part._cache.file_name((SIGNATURE,), target)
     monkeypatch.setattr(_parts, "COMPILER", "another compiler")
     assert name != disk.file_name((SIGNATURE,), target)
 
 
+def test_each_way_to_compile_a_function_has_its_own_code():
+    """Also one that calls nothing: its own options count, not only those of what it calls."""
+    function, target = added.py_func, added.targetctx.codegen()
+    spread, summing = _jit.spread(function), _jit.summing(function)
+    shared = _jit.shared(lambda values: len(values))(function)
+    made = [
+        added, _jit.compiled_inside(function), _jit.summed_inside(function),
+        spread.together, summing.alone, summing.together, shared.together,
+    ]  # fmt: skip
+    names = [one.file_name((SIGNATURE,), target) for each in made for one in (each._cache, each.part._cache)]
+    assert None not in names
+    assert len(set(names)) == 2 * len(made)
+    assert spread.alone._cache.file_name((SIGNATURE,), target) == names[0]  # compiled in the same way
+
+
 def test_functions_among_the_arguments_keep_code_from_the_disk():
-    disk = _parts.DiskCache(added.py_func)
-    assert disk.file_name((_parts.types.Dispatcher(added),), added.targetctx.codegen()) is None
+    assert added._cache.file_name((_parts.types.Dispatcher(added),), added.targetctx.codegen()) is None
 
 
 def test_all_patches_of_a_python_share_their_code():

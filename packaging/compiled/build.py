@@ -24,7 +24,7 @@ import ecume
 from ecume import _cache
 from ecume.simulation import moments, simulate
 
-SERVED = ("whole-", "alone-", "together-")
+SERVED = "whole-"
 """How the names of files begin that a run reads when nothing has to be compiled."""
 EXAMPLES = Path(__file__).parents[2] / "examples"
 PROJECT = """

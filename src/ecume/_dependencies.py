@@ -74,6 +74,11 @@ def digest(function: Any, classes: Iterable[type], beginning: str) -> str:
     return whole.hexdigest()[:32]
 
 
+def text_of(options: Mapping[str, Any]) -> str:
+    """The description of the options of a decorator, equal in all processes."""
+    return _value(options, [])
+
+
 def exact_digest(function: Any) -> str | None:
     """The digest of a user's function, or of a function around it, for any arguments; None if it names an object that
     cannot be described.

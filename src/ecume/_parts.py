@@ -36,7 +36,7 @@ from numba.core.targetconfig import TargetConfig
 
 from ecume import _cache
 from ecume._borrowing import borrowing
-from ecume._dependencies import PACKAGE, UNKEPT, digest, text_digest
+from ecume._dependencies import PACKAGE, UNKEPT, digest, text_digest, text_of
 
 log = logging.getLogger(__name__)
 
@@ -90,10 +90,11 @@ class DiskCache:
     """
 
     kind = "whole"
-    """The same function's parts, and its versions with and without threads, have other code."""
+    """The parts of the same function have other code."""
 
-    def __init__(self, function: FunctionType) -> None:
+    def __init__(self, function: FunctionType, options: Mapping[str, Any]) -> None:
         self._function = function
+        self._options = text_of(options)
         self._name = f"{self.kind}-{function.__module__}.{function.__qualname__}".translate({60: None, 62: None})
 
     @property
@@ -114,7 +115,8 @@ class DiskCache:
             return None
         classes = list(named_tuples(kinds))
         names = [f"{one.__module__}.{one.__qualname__}" for one in classes]
-        key = digest(self._function, classes, f"{COMPILER} {target.magic_tuple()} {self._name} {text} {names}")
+        beginning = f"{COMPILER} {target.magic_tuple()} {self._name} {self._options} {text} {names}"
+        key = digest(self._function, classes, beginning)
         return f"{self._name}-{key}{_cache.SUFFIX}"
 
     def load_overload(self, signature: Any, target: Any) -> Any:
@@ -293,18 +295,6 @@ class PartCache(DiskCache):
             return super().rebuilt(target, stored)
 
 
-class TogetherCache(DiskCache):
-    """The disk cache of functions that compiled code calls without threads."""
-
-    kind = "together"
-
-
-class AloneCache(DiskCache):
-    """The disk cache of loops that are compiled for threads as well."""
-
-    kind = "alone"
-
-
 WHOLE = {"nopython": True, "nogil": True, "error_model": "numpy", "no_cfunc_wrapper": True}
 PART = {**WHOLE, "no_cpython_wrapper": True}
 EXACT = {"fastmath": False}
@@ -326,10 +316,11 @@ class Dispatcher(CPUDispatcher):  # type: ignore[misc]
     """A compiled function: a whole where Python calls it, a part where compiled code does."""
 
     def __init__(self, function: FunctionType, options: dict[str, Any], cache: bool) -> None:
-        super().__init__(function, targetoptions={**WHOLE, **options}, pipeline_class=Whole)
-        self.part = CPUDispatcher(function, targetoptions={**PART, **EXACT, **options}, pipeline_class=Part)
+        own, inside = {**WHOLE, **options}, {**PART, **EXACT, **options}
+        super().__init__(function, targetoptions=own, pipeline_class=Whole)
+        self.part = CPUDispatcher(function, targetoptions=inside, pipeline_class=Part)
         if cache:
-            self._cache, self.part._cache = DiskCache(function), PartCache(function)
+            self._cache, self.part._cache = DiskCache(function, own), PartCache(function, inside)
 
     def get_call_template(self, arguments: Any, keywords: Any) -> Any:
         """The template by which compiled code calls the function. A literal 0 as an argument is typed as a number, so

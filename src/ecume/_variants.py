@@ -22,7 +22,7 @@ from numba.core.imputils import lower_builtin
 from numba.core.typing import signature
 from numba.core.typing.templates import AbstractTemplate
 
-from ecume._parts import AloneCache, Dispatcher, TogetherCache
+from ecume._parts import Dispatcher
 
 # Threads that wait for their next loop by spinning slow down other processes on this machine, and are slowed by them
 # themselves: on a busy machine loops over a few thousand particles took five times as long. Read when they start.
@@ -78,7 +78,6 @@ class Spread:
     def __init__(self, function: Any, options: dict[str, Any], few: int) -> None:
         self.few = few
         self.alone = Dispatcher(function, options, cache=True)
-        self.alone._cache = AloneCache(function)
         self.together = Dispatcher(function, {"parallel": True, **options}, cache=True)
         self.__doc__, self.__name__ = function.__doc__, function.__name__
 
@@ -102,7 +101,6 @@ class Shared(Dispatcher):
         super().__init__(function, {}, cache=True)
         self.size, self.few = size, few
         self.together = Dispatcher(function, {"parallel": PLAIN_LOOPS}, cache=True)
-        self.together._cache = TogetherCache(function)
 
     def __call__(self, *arguments: Any) -> Any:
         """Run the one or the other."""
