@@ -74,7 +74,7 @@ class Accepted(NamedTuple):
     """A step whose error is small enough."""
 
     length: float
-    """s; zero: there is none"""
+    """s; zero without one"""
     end: float
     ratio: float
     """its error over the tolerance"""

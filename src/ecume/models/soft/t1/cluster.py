@@ -39,7 +39,7 @@ APART, MET = 1.0, 0.2
 exchanged neighbors before it was pulled apart.
 """
 THRESHOLD = 0.9
-"""The part of the forces at which the process is complete unless another is asked for."""
+"""The part of the forces at which the process is complete by default."""
 LONGEST = 1e10
 """s: the longest duration of a scene."""
 PATIENCE = 30.0
