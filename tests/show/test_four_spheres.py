@@ -130,6 +130,19 @@ def test_a_process_is_known_by_its_scene_in_any_units(given):
     assert pulled_in(larger) == pytest.approx(given, rel=1e-9, abs=1e-12)
 
 
+@pytest.mark.parametrize("ratio", [1.0, 1.0 + 1e-15, 1.0 - 1e-15])
+def test_a_cluster_whose_forces_balance_is_refused(ratio):
+    """F_h = F_v/sqrt(3): there is no force F_N, in whose unit the time of the page is."""
+    scene = template()
+    pulls = ((1e-5 * ratio / math.sqrt(3.0), 0.0), (-1e-5 * ratio / math.sqrt(3.0), 0.0), (0.0, -1e-5), (0.0, 1e-5))
+    places = [(one, place) for one in scene.particles for place in one.positions]
+    pulled = [
+        dataclasses.replace(one, count=None, positions=(place,), force=pull)
+        for (one, place), pull in zip(places, pulls, strict=True)
+    ]
+    assert "got other ones" in refusal(dataclasses.replace(scene, particles=tuple(pulled)))
+
+
 @pytest.mark.parametrize(
     "change",
     [

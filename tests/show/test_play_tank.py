@@ -2,6 +2,7 @@
 
 import base64
 import contextlib
+import dataclasses
 import json
 import math
 
@@ -13,6 +14,7 @@ import ecume
 from ecume.cli import app
 from ecume.errors import BadInput
 from ecume.scenes.load import load_scene
+from ecume.scenes.sph import ObstacleSpec
 from ecume.scenes.templates import folder
 from ecume.scenes.writing import to_toml
 from ecume.show.play import tank as playing
@@ -180,6 +182,18 @@ def test_a_gate_holds_the_column_until_it_is_opened(tank):
     play(tank, 0.3)
     assert tank.liquid().position[0, column].max() > 1.0
     with pytest.raises(BadInput, match="no gate"):
+        tank.open_gate()
+
+
+def test_a_basin_is_no_gate(tank):
+    """A drawn tank is a hollow obstacle: without it the liquid would fall out of it."""
+    corners = ((0.02, 0.02), (1.9, 0.02), (1.9, 1.4), (0.02, 1.4))
+    basin = ObstacleSpec(name="tank", vertices=corners, hollow=True)
+    tank.first = dataclasses.replace(tank.first, obstacles=(basin, *tank.first.obstacles))
+    assert [solid.name for solid in tank._obstacles(1)] == ["tank"]
+    assert tank._obstacles(0) == tank.first.obstacles
+    tank.scene = dataclasses.replace(tank.first, obstacles=(basin,))
+    with pytest.raises(BadInput, match="no gate to open"):
         tank.open_gate()
 
 

@@ -268,6 +268,13 @@ def test_two_curves_are_compared_where_they_differ_most():
         largest_difference(one, two._replace(at=np.array([5.0, 7.0])))
 
 
+def test_curves_at_zero_are_compared_as_well():
+    """Durations, yield stresses and counts can be zero, and single runs without an error, too."""
+    one, two = (Points("", np.array([1.0]), (Mean(value, 0.1),), (3,)) for value in (0.0, -0.2))
+    assert largest_difference(one, two) == pytest.approx((1.0, -np.inf, 2.0**0.5))
+    assert largest_difference(one, one) == (1.0, 0.0, 0.0)
+
+
 def test_runs_without_a_value_are_counted():
     points = points_of("", np.array([1.0, 1.0, 2.0]), np.array([3.0, np.nan, 5.0]))
     assert (points.omitted, points.runs) == (1, (1, 1))

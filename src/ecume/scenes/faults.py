@@ -328,6 +328,8 @@ def _expected(detail: ErrorDetails) -> str:
         choices = [word for word in re.findall(r"'([^']*)'", str(bounds["expected"])) if word]
         near = suggestion(str(detail["input"]), choices)
         return f"expected one of {', '.join(choices)}" + ("" if near.startswith("known") else f"; {near}")
+    if str(bounds.get("pattern", "")).lstrip("^(").startswith("[A-Za-z]["):
+        return "expected a letter of A to Z or a to z, then such letters, digits and _"
     wording = WORDING.get(detail["type"], detail["msg"][:1].lower() + detail["msg"][1:])
     return wording.format_map({key: _number(value) for key, value in bounds.items()})
 

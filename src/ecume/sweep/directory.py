@@ -336,6 +336,8 @@ def enlarged(scene: Scene, factor: int) -> Scene:
     cell, particles = plain.get("cell"), plain.get("particles", [])
     if not cell or plain.get("walls"):
         raise BadInput("sizes: they are those of a periodic cell on all sides; expected a scene with [cell], no walls")
+    if plain.get("rows"):
+        raise BadInput("sizes: they are factors of counts; expected no [[rows]], whose floats are listed")
     if not all(one.get("count") and not one.get("positions") and not one.get("radii") for one in particles):
         raise BadInput("sizes: they are factors of counts; expected count, and no lists of positions or radii")
     for one in particles:

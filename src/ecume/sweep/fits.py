@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+import math
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import NamedTuple
@@ -100,7 +101,7 @@ class Difference(NamedTuple):
     at: float
     """the value of the axis"""
     relative: float
-    """the second value over the first, minus 1"""
+    """the second value over the first, minus 1; infinite where the first is zero"""
     errors: float
     """the difference in standard errors of it; infinite where both are single runs"""
 
@@ -118,7 +119,8 @@ def largest_difference(first: Points, second: Points) -> Difference:
         for other in (mean for place, mean in zip(second.at, second.means, strict=True) if place == at):
             apart, error = abs(other.value - one.value), float(np.hypot(one.error, other.error))
             errors = apart / error if error > 0.0 else (np.inf if apart else 0.0)
-            found.append(Difference(float(at), other.value / one.value - 1.0, float(errors)))
+            relative = (other.value - one.value) / one.value if one.value else math.copysign(math.inf, other.value)
+            found.append(Difference(float(at), relative if apart else 0.0, float(errors)))
     if not found:
         raise BadInput("the two curves have no value of the axis in common")
     return max(found, key=lambda one: (one.errors, abs(one.relative)))

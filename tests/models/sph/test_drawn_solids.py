@@ -138,7 +138,7 @@ def test_the_drawing_of_a_tank_becomes_a_hole_in_a_block(tmp_path):
     text = path.read_text().partition("[[fluid]]")[0] + "[[fluid]]\ncenter = [0, 0, 0]\nradius = 0.4\n"
     path.write_text(text)
     scene = ecume.load_scene(path)
-    assert scene.obstacles[0].hollow
+    assert scene.obstacles[-1].hollow
     assert scene.tank.high[1] == pytest.approx(0.5)
     assert scene.tank.low[1] == pytest.approx(-0.5 - 4.0 * 0.2)
     _, state = started(scene)

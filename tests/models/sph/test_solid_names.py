@@ -65,6 +65,12 @@ def test_names_that_numbers_or_others_have_are_refused(more, path):
         from_plain({**PLAIN, **more})
 
 
+@pytest.mark.parametrize("name", ["the post", "pfähle", "post.1", "1st", "_post", "post-1"])
+def test_a_name_with_other_characters_is_told_what_it_may_have(name):
+    with pytest.raises(SceneError, match=r"expected a letter of A to Z or a to z, then such letters, digits and _"):
+        from_plain({**PLAIN, "obstacles": [{**POST, "name": name}]})
+
+
 def test_a_solid_named_like_any_number_is_refused_or_hides_none():
     """Whatever begins a number of a frame: a solid of this name is refused, or all numbers are still there."""
     _, frames = last()

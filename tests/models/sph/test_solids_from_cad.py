@@ -6,6 +6,7 @@ import time
 import numpy as np
 import pytest
 
+from ecume import SceneError
 from ecume.cli.scenes import odd_values
 from ecume.models.sph.record import SPH
 from ecume.models.sph.setup.initial_particles import liquid_of
@@ -91,7 +92,7 @@ def test_check_states_the_size_of_drawings_without_a_unit(tmp_path, capsys):
 
 
 def test_a_drawn_tank_is_a_solid_of_this_name(tmp_path):
-    """The first obstacle of the file is not that of the tank: their sizes and forces are told apart by name."""
+    """Their sizes and forces are told apart by name, and messages count the obstacles of the file."""
     scene_of(tmp_path, sphere(400.0), HALF, "10 cm")
     path = tmp_path / "drawn.toml"
     unitless = DRAWN.replace('outline_unit = "mm"', "")
@@ -101,6 +102,12 @@ def test_a_drawn_tank_is_a_solid_of_this_name(tmp_path):
         f'[[obstacles]]\nname = "post"\n{unitless}'
     )  # fmt: skip
     scene = load_scene(path)
-    assert scene.obstacle_names == ("tank", "post")
+    assert scene.obstacle_names == ("post", "tank")
     found = [row[:2] for row in odd_values(path, [], scene) if "outline" in row[0]]
     assert found == [("obstacles[0].outline_from", "800 × 800 × 800 m")]
+    path.write_text(path.read_text().replace('"post"', '"tank"'))
+    with pytest.raises(
+        SceneError,
+        match=r"^\S*: line 12, column 1: obstacles\[0\]\.name: got 'tank', the name of the drawn tank; choose another$",
+    ):
+        load_scene(path)

@@ -123,8 +123,20 @@ def _tank_from(raw: dict[str, Any], folder: Folder) -> Complaints:
         sign = 1.0 if first else -1.0
         ends = [end(values) + sign * pad for values, pad in zip(zip(*points, strict=True), pads, strict=False)]
         tank.setdefault(key, ends)
-    raw["obstacles"] = [{"name": "tank", **basin, "hollow": True}, *raw.get("obstacles", [])]
-    return []
+    # Behind the others, so that those keep their numbers of the file in names and messages.
+    faults = _also_called_tank(raw)
+    drawn = {"name": "" if faults else "tank", **basin, "hollow": True}
+    raw["obstacles"] = [*raw.get("obstacles", []), drawn]
+    return faults
+
+
+def _also_called_tank(raw: Mapping[str, Any]) -> Complaints:
+    """The faults of solids with the name of a drawn tank."""
+    solids = [(name, n, one) for name in ("obstacles", "bodies") for n, one in enumerate(raw.get(name, []))]
+    message = "got 'tank', the name of the drawn tank; choose another"
+    return [
+        ((name, n, "name"), message) for name, n, one in solids if isinstance(one, dict) and one.get("name") == "tank"
+    ]
 
 
 DRAWN_TABLES = ("fluid", "obstacles", "bodies")
@@ -139,11 +151,11 @@ def drawn_sizes(raw: Mapping[str, Any], scene: Any) -> list[tuple[str, str, str]
     """The sizes of drawings whose unit the plain data of a scene's file omit: key, size, remark."""
     tank, found = raw.get("tank", {}), list[tuple[str, Mapping[str, Any], Any]]()
     if isinstance(tank, dict) and OUTLINE in tank:
-        found.append(("tank", tank, scene.obstacles[0]))
+        found.append(("tank", tank, scene.obstacles[-1]))
     for name in DRAWN_TABLES:
-        pieces, shapes = raw.get(name, []), getattr(scene, name, ())
-        shapes = shapes[len(shapes) - len(pieces) :]  # a drawn tank is the first obstacle
-        pairs = enumerate(zip(pieces, shapes, strict=True))
+        pairs = enumerate(
+            zip(raw.get(name, []), getattr(scene, name, ()), strict=False)
+        )  # a drawn tank is the last one
         found += [(f"{name}[{n}]", piece, shape) for n, (piece, shape) in pairs if OUTLINE in piece]
     return [
         (f"{name}.{OUTLINE}", _extent(shape), f"{piece[OUTLINE]}: {UNITLESS[Folder(piece[OUTLINE]).suffix.lower()]}")

@@ -99,6 +99,8 @@ def pulled_in(scene: SoftScene) -> Pulled | None:
     if vertical == 0.0 or gap <= 0.0:
         return None
     ratio = horizontal / vertical
+    if abs(SQRT3 * ratio - 1.0) < SAME:  # no net force
+        return None
     found = Pulled(gap, abs(horizontal - vertical / SQRT3), ratio)
     unit = scene.liquid.viscosity / (modulus[0] * found.reduced_force)
     ramp = float(parameters.protocol.times[-1]) / unit

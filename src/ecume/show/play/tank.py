@@ -23,7 +23,7 @@ from ecume.models.sph.setup.building import material_of
 from ecume.models.sph.setup.choices import acoustic_damping_of, artificial_viscosity_of
 from ecume.models.sph.setup.shapes import free_of, solids_of
 from ecume.models.sph.state import make_state
-from ecume.scenes.sph import BaseExcitationSpec, MotionSpec, ParticlesSpec, RegionSpec, SphScene
+from ecume.scenes.sph import BaseExcitationSpec, MotionSpec, ObstacleSpec, ParticlesSpec, RegionSpec, SphScene
 from ecume.simulation import Integration
 from ecume.units import Array
 
@@ -277,10 +277,10 @@ class Tank:
         self._go_on(those(liquid, stays))
 
     def open_gate(self) -> None:
-        """Remove the first obstacle. Raises BadInput without obstacles."""
-        if not self.scene.obstacles:
+        """Remove the first obstacle; hollow ones are no gates but basins. Raises BadInput without obstacles."""
+        if all(solid.hollow for solid in self.scene.obstacles):
             raise BadInput("no gate to open")
-        opened = dataclasses.replace(self.scene, obstacles=self.scene.obstacles[1:])
+        opened = dataclasses.replace(self.scene, obstacles=self._obstacles(self.opened + 1))
         self._begin(opened, Push(places=(self.pushed,)), self.liquid())
 
     @property
@@ -288,13 +288,18 @@ class Tank:
         """The number of open gates."""
         return len(self.first.obstacles) - len(self.scene.obstacles)
 
+    def _obstacles(self, opened: int) -> tuple[ObstacleSpec, ...]:
+        """The obstacles while so many gates are open."""
+        gates = [number for number, solid in enumerate(self.first.obstacles) if not solid.hollow]
+        return tuple(solid for number, solid in enumerate(self.first.obstacles) if number not in gates[:opened])
+
     def close_gate(self) -> None:
         """Restore the obstacle that was removed last and displace the liquid there. Raises BadInput without an open
         gate, or without space for the liquid.
         """
         if not self.opened:
             raise BadInput("no gate to close")
-        closed = dataclasses.replace(self.scene, obstacles=self.first.obstacles[self.opened - 1 :])
+        closed = dataclasses.replace(self.scene, obstacles=self._obstacles(self.opened - 1))
         rest = self.integration.parameters.material.density
         self._begin(closed, Push(places=(self.pushed,)), pushed_aside(closed, self.liquid(), self.pushed, rest))
 
