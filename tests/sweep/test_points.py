@@ -195,6 +195,7 @@ def test_the_unit_of_a_value_is_what_follows_the_number(value, unit):
     assert _unit_in(value) == unit
 
 
+LISTED = "x = 0.1, y = 0.1, radius = 1e-3, density = 1200.0, contact_angle = 1.0"
 SIZED = """
 template = "sheared-packing"
 sizes = [1, 4]
@@ -222,10 +223,7 @@ def test_sizes_repeat_each_point_with_as_many_times_the_particles_at_the_same_vo
     [
         ('template = "dam-break"\nsizes = [1, 2]', "those of a periodic cell"),
         ('template = "soft-two-spheres"\nsizes = [2]', "those of a periodic cell"),
-        (
-            'template = "periodic-raft"\nsizes = [1, 2]\n[fixed]\nrows = [{x = 0.1, y = 0.1, radius = 1e-3, density = 1200.0, contact_angle = 1.0}]',
-            "are listed",
-        ),
+        (f'template = "periodic-raft"\nsizes = [1, 2]\n[fixed]\nrows = [{{{LISTED}}}]', "whose floats are listed"),
         ('process = "t1"\nsizes = [1, 2]', "sizes: are of the cell of a scene"),
         ('template = "sheared-packing"\nsizes = [2, 2]', "sizes: contain a factor twice"),
     ],
