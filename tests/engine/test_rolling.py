@@ -39,7 +39,7 @@ def test_couples_stay_within_their_limit_and_oppose_what_turns(coefficient):
 
 @pytest.mark.parametrize("seed", range(4))
 def test_couples_keep_both_momenta_and_add_no_energy(seed):
-    position, mass, motion = shaken_raft(19, seed, spread=1.0)
+    position, mass, motion = shaken_raft(7, seed, spread=1.0)
     dice = np.random.default_rng(seed)
     position = position + 1e-3 * dice.uniform(size=position.shape)
     radius = 1.0 - 1e-3 * dice.uniform(size=len(position))
@@ -51,7 +51,7 @@ def test_couples_keep_both_momenta_and_add_no_energy(seed):
 
     scale, turned = np.sum(mass * np.abs(motion.velocity).sum(axis=1)), turning()
     *_, rows, _ = solved(position, motion, radius, 0.2, friction=0.4, reach=0.01)
-    assert np.count_nonzero(rows.impulse) > 10
+    assert np.count_nonzero(rows.impulse) > 5
     assert mass @ motion.velocity == pytest.approx(momentum, abs=1e-13 * scale)
     assert turning() == pytest.approx(turned, abs=1e-12 * scale)
     assert energy(mass, motion) < before

@@ -240,6 +240,7 @@ def test_a_disc_drives_itself_alike_along_all_symmetric_directions():
         assert position == pytest.approx(expected, abs=1e-12)
 
 
+@pytest.mark.compiled
 def test_surfactant_of_a_flow_that_varies_is_carried_at_its_times(tmp_path, monkeypatch):
     """A uniform flow that starts from rest and grows carries a spot by half its last velocity times the time."""
     times, axis = np.array([0.0, 0.1]), np.array([0.0, 0.06])
