@@ -263,7 +263,7 @@ def factor(unit: str, symbol: str) -> float:
     if (unit.strip(), symbol) == ("deg", "rad"):
         return DEGREE
     if symbol == "rad/s" and same_dimension(unit, "1/s"):
-        if unit.strip().endswith("Hz"):
+        if any(name.endswith(("Hz", "hertz")) for name in _powers(unit)):
             raise ValueError(f"{unit!r} counts turns; write for example {example(symbol)!r}")
         symbol = "1/s"
     known, target = base_of(unit), base_of(symbol)

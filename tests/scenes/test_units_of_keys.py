@@ -106,8 +106,9 @@ def test_a_key_accepts_the_units_of_its_dimension_and_no_other(path):
 ])  # fmt: skip
 def test_an_angular_velocity_may_omit_radians_but_is_no_number_of_turns(text, expected):
     assert TypeAdapter(TurningRate).validate_python(text) == pytest.approx(expected, rel=1e-12)
-    with pytest.raises(ValidationError, match="counts turns; write for example '60 rpm'"):
-        TypeAdapter(TurningRate).validate_python("1 Hz")
+    for turns in ("1 Hz", "1 hertz", "2 kilohertz"):
+        with pytest.raises(ValidationError, match="counts turns; write for example '60 rpm'"):
+            TypeAdapter(TurningRate).validate_python(turns)
     with pytest.raises(ValidationError, match="measures angle / time, expected 1 / time"):
         TypeAdapter(Frequency).validate_python("60 rpm")
 

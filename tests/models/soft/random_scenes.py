@@ -19,6 +19,7 @@ from ecume.analysis.rheology import stress_tensor
 from ecume.errors import Diverged, EcumeError, SceneError
 from ecume.models.soft import SOFT
 from ecume.models.soft.integration.dirk_schemes import error_of_run
+from ecume.models.soft.setup import GLUE
 from ecume.scenes.schema import from_plain, to_plain
 from ecume.scenes.soft import SIDES, dimensions_of, sides_of
 from ecume.simulation import moments
@@ -359,13 +360,14 @@ SHARED = ("dissipated_work", "total_energy", "smallest_gap", "largest_compressio
 
 
 def rounding_of(scene):
-    """What rounding of positions leaves in each number."""
+    """What rounding of positions leaves in each number; in forces it is that of the stiffest springs, those of glue."""
     radius = max(one.radius for one in scene.particles)
     force = ROUNDED * max(one.modulus for one in scene.particles) * radius**2
-    stress = force / radius ** (dimensions_of(scene) - 1)
+    stiffest = force * (GLUE if any(one.glued for one in scene.particles) else 1.0)
+    stress = stiffest / radius ** (dimensions_of(scene) - 1)
     return {
         "dissipated_work": force * radius, "total_energy": force * radius, "smallest_gap": 1e-12 * radius,
-        "largest_compression": force, "shear_stress": stress, "pressure": stress,
+        "largest_compression": stiffest, "shear_stress": stress, "pressure": stress,
     }  # fmt: skip
 
 
