@@ -278,6 +278,21 @@ def test_curves_at_zero_are_compared_as_well():
 def test_runs_without_a_value_are_counted():
     points = points_of("", np.array([1.0, 1.0, 2.0]), np.array([3.0, np.nan, 5.0]))
     assert (points.omitted, points.runs) == (1, (1, 1))
+    with pytest.raises(BadInput, match=r"the points: .* got 2; 1 runs without a finite value are omitted"):
+        fit_of(points)
+
+
+def test_the_command_fits_two_curves_without_a_common_value_of_the_axis(tmp_path, monkeypatch, capsys):
+    class Apart(Curve):
+        def table(self):
+            rows = super().table()
+            return [row | {"rate": row["rate"] * (2.0 if row["liquid"] == "water" else 1.0)} for row in rows]
+
+    monkeypatch.setattr(figures, "open_sweep", lambda directory: Apart())
+    _fit_all(tmp_path, quiet=False)
+    printed = capsys.readouterr().out
+    assert "differs" not in printed
+    assert "wrote" in printed
 
 
 def test_the_interval_of_a_fit_contains_the_true_law_as_often_as_it_says():

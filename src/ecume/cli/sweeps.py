@@ -135,6 +135,8 @@ def _fit_all(directory: Path, *, quiet: bool) -> None:
     """Draw and write the fit of the first measure, and print its parameters with their intervals; of two curves, also
     where they differ most.
     """
+    import numpy as np
+
     from ecume.sweep.figures import fitted_curves, plot_sweep
     from ecume.sweep.fits import PARAMETERS, fit_of, largest_difference
 
@@ -154,7 +156,7 @@ def _fit_all(directory: Path, *, quiet: bool) -> None:
     omitted = sum(points.omitted for points in curves)
     if omitted:
         say(f"{omitted} runs are omitted: {measure} is not stationary there, or not a number; run these for longer")
-    if len(curves) == 2:
+    if len(curves) == 2 and np.intersect1d(curves[0].at, curves[1].at).size:
         apart = largest_difference(*curves)
         said = f"{100.0 * apart.relative:+.2g} %, {apart.errors:.2g} standard errors"
         echo(f"{curves[1].label} differs from {curves[0].label} most at {apart.at:.4g}: by {said}")

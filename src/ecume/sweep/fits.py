@@ -62,7 +62,8 @@ def fit_of(points: Points) -> CurveFit:
     try:
         return power_fit(points.at, points.means)
     except BadInput as fault:
-        raise BadInput(f"{points.label or 'the points'}: {fault}") from None
+        omitted = f"; {points.omitted} runs without a finite value are omitted" if points.omitted else ""
+        raise BadInput(f"{points.label or 'the points'}: {fault}{omitted}") from None
 
 
 def draw_fits(on: Axes, curves: Sequence[Points]) -> None:
