@@ -251,11 +251,15 @@ OFFSETS = {
 """Scales of temperature whose zero is not the absolute one."""
 
 
+PER_LONG_TIME = [{name: -1} for name in ("min", "minute", "h", "hour", "hr", "d", "day")]
+"""Units of rates that are those of turns where something rotates: `1/min` of a motor."""
+
+
 @lru_cache(maxsize=256)
 def factor(unit: str, symbol: str) -> float:
     """The number of SI units of `symbol` in one `unit`.
 
-    Text may omit the radians of `rad/s`.
+    Text may omit the radians of `rad/s`, but not those of `rad/min`: there it would mean turns.
 
     >>> factor("mN/m", "N/m")
     0.001
@@ -263,7 +267,8 @@ def factor(unit: str, symbol: str) -> float:
     if (unit.strip(), symbol) == ("deg", "rad"):
         return DEGREE
     if symbol == "rad/s" and same_dimension(unit, "1/s"):
-        if any(name.endswith(("Hz", "hertz")) for name in _powers(unit)):
+        named = _powers(unit)
+        if named in PER_LONG_TIME or any(name.endswith(("Hz", "hertz")) for name in named):
             raise ValueError(f"{unit!r} counts turns; write for example {example(symbol)!r}")
         symbol = "1/s"
     known, target = base_of(unit), base_of(symbol)

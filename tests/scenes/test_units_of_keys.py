@@ -17,7 +17,7 @@ UNITS = {
     "m": ("mm", "inch", "foot"), "m/s": ("km/hour", "mm/s"), "m/s^2": ("cm/s^2",), "rad": ("deg", "mrad"),
     "s": ("ms", "hour"), "kg/m^3": ("g/cm^3", "g/l"), "Pa*s": ("mPa*s", "poise"), "N/m": ("mN/m", "dyn/cm", "J/m^2"),
     "Pa": ("kPa", "bar", "atm", "N/m^2"), "N": ("uN", "dyn"), "K": ("degC", "mK"), "1/s": ("Hz", "minute^-1"),
-    "rad/s": ("rpm", "deg/s", "s^-1", "1/min"),
+    "rad/s": ("rpm", "deg/s", "s^-1", "rad/min"),
     "kg": ("g", "lb"), "kg/m": ("g/cm",), "J": ("erg", "eV"), "N*m": ("uN*m",), "A*m^2": ("mA*m^2",), "T": ("mT",),
     "1": ("%",), "1/m^3": ("cm^-3", "l^-1"), "1/m^2": ("cm^-2",), "m^2": ("mm^2",), "m^2/s": ("cm^2/s",),
     "kg/s": ("g/s", "ug/minute"), "N*m/kg": ("J/kg", "mN*m/g"),
@@ -102,11 +102,12 @@ def test_a_key_accepts_the_units_of_its_dimension_and_no_other(path):
 
 
 @pytest.mark.parametrize(("text", "expected"), [
-    ("60 rpm", math.tau), ("360 deg/s", math.tau), ("2 rad/s", 2.0), ("2 1/s", 2.0), ("120/min", 2.0), ("2 s⁻¹", 2.0),
+    ("60 rpm", math.tau), ("360 deg/s", math.tau), ("2 rad/s", 2.0), ("2 1/s", 2.0), ("120 rad/min", 2.0),
+    ("2 s⁻¹", 2.0),
 ])  # fmt: skip
 def test_an_angular_velocity_may_omit_radians_but_is_no_number_of_turns(text, expected):
     assert TypeAdapter(TurningRate).validate_python(text) == pytest.approx(expected, rel=1e-12)
-    for turns in ("1 Hz", "1 hertz", "2 kilohertz"):
+    for turns in ("1 Hz", "1 hertz", "2 kilohertz", "120/min", "120 min^-1", "1 1/h", "2/day"):
         with pytest.raises(ValidationError, match="counts turns; write for example '60 rpm'"):
             TypeAdapter(TurningRate).validate_python(turns)
     with pytest.raises(ValidationError, match="measures angle / time, expected 1 / time"):
