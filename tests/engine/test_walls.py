@@ -236,6 +236,7 @@ def test_more_bounces_than_a_step_may_have_are_flagged_not_hidden():
     ("made", "output"),
     [
         (lambda: walls.polygon([(0, 0), (2, 0), (1, 0.2), (1, 2)]), "not convex at vertex 2"),
+        (lambda: walls.polygon([(0, 0), (2, 0), (1, 2), (0, 0)]), r"vertex 3 \(0.0, 0.0\) is also the next"),
         (lambda: walls.box((0, 0), (1, -1)), "the lower one first"),
         (lambda: walls.disc((0, 0), 0.0), "expected one above 0"),
         (lambda: walls.planes([(0, 0)], [(0, 0)]), "has no direction"),

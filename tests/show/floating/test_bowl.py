@@ -7,7 +7,7 @@ import pytest
 from matplotlib.colors import to_rgba
 
 from ecume.scenes.floating import ActivitySpec, DishSpec, LiquidSpec
-from ecume.show.floating.bowl import Bowl, arrows, rises, view_of
+from ecume.show.floating.bowl import BELOW, Bowl, arrows, rises, view_of
 from ecume.show.picture import Size, species
 from ecume.show.style import PALETTE, contrast, height_colormap, liquid_color
 
@@ -104,6 +104,12 @@ def test_the_whole_of_a_rectangular_dish_is_shown(scene, frames):
     assert view.left < -0.05 < 0.05 < view.right
     assert view.bottom < -0.025 < 0.025 < view.top
     assert Bowl(wide, frames, SIZE).pixels(frames[0]).shape == (600, 800, 4)
+
+
+def test_below_a_triangular_dish_there_is_room_for_the_scale_bar(scene, frames):
+    corners = ((-0.06, -0.05), (0.06, -0.05), (0.0, 0.08))
+    view = view_of(dataclasses.replace(scene, dish=DishSpec(vertices=corners, law="none", image="none")), frames)
+    assert view.bottom < -0.05 - BELOW * 0.12
 
 
 def test_without_a_dish_all_that_floats_ever_reach_is_shown(scene, frames):

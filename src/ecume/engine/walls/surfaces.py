@@ -77,6 +77,9 @@ def polygon(vertices: Any) -> Surfaces:
     after = np.roll(sides, -1, axis=0)
     if corners.shape[1] != 2 or len(corners) < 3:
         raise BadInput(f"polygon: got {len(corners)} vertices; expected three or more points (x, y)")
+    if not sides.any(axis=1).all():
+        twice = int(np.argmin(sides.any(axis=1)))
+        raise BadInput(f"polygon: vertex {twice} {tuple(corners[twice].tolist())} is also the next; expected it once")
     turns = sides[:, 0] * after[:, 1] - sides[:, 1] * after[:, 0]
     way = math.copysign(1.0, float(turns.sum()))
     once = abs(abs(float(np.arctan2(turns, (sides * after).sum(axis=1)).sum())) - 2.0 * math.pi) < 1e-6
@@ -84,7 +87,7 @@ def polygon(vertices: Any) -> Surfaces:
         worst = (int(np.argmin(way * turns)) + 1) % len(corners)
         raise BadInput(
             f"polygon: not convex at vertex {worst} {tuple(corners[worst].tolist())}; "
-            "put it together of a convex outline and outside(...) of convex obstacles"
+            "expected corners that all turn the same way"
         )
     return planes(corners, way * np.column_stack([-sides[:, 1], sides[:, 0]]))
 

@@ -78,7 +78,7 @@ def view_of(scene: Any, frames: Sequence[Frame]) -> View:
         middle = 0.5 * (left + right), 0.5 * (bottom + top)
         whole = view_around(*middle, MARGIN * (right - left), MARGIN * (top - bottom))
         # Below a wall without round corners there is no room for the scale bar.
-        return whole if scene.dish.size is None else whole._replace(bottom=whole.bottom - BELOW * whole.width)
+        return whole if scene.dish.radius is not None else whole._replace(bottom=whole.bottom - BELOW * whole.width)
     low = np.min([(f.arrays["position"] - f.arrays["radius"][:, None]).min(axis=0) for f in frames], axis=0)
     high = np.max([(f.arrays["position"] + f.arrays["radius"][:, None]).max(axis=0) for f in frames], axis=0)
     radius = max(float(f.arrays["radius"].max()) for f in frames)
