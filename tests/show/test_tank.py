@@ -1,3 +1,5 @@
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -7,7 +9,7 @@ from ecume.show.picture import Size
 from ecume.show.tank import Coloring, Round, Setting, Tank
 from ecume.show.tracer_measures import MEASURES
 from ecume.show.tracers import TRACER_FIGURES, setting_of, tracers_picture, wall_names
-from ecume.trajectories.frame import Frame
+from ecume.trajectories.frame import Frame, RecordedArrays
 
 BLUE, RED = (0, 0, 255), (255, 0, 0)
 
@@ -139,3 +141,11 @@ def test_particles_that_enter_have_their_own_size_and_those_that_left_are_gone(f
     assert blue_pixels(picture, entered) > few + 2000
     gone = larger(FRAMES[2], [1e-3] * first + [0.1], [-1] * first + [0])
     assert blue_pixels(picture, gone) == pytest.approx(few, rel=0.1)
+
+
+def test_where_nothing_can_leave_pictures_need_no_record_of_it():
+    """As of a scene whose `output.quantities` omit it."""
+    shown = FRAMES[0]._replace(arrays=RecordedArrays({**FRAMES[0].arrays}, ("left",)))
+    del shown.arrays["left"]
+    picture = tracers_picture(replace(SCENE, openings=()), [shown], Size(480, 360))
+    assert pixel(picture, shown, 0.5, 0.9) == BLUE

@@ -62,11 +62,12 @@ class TracersTank(Tank):
 
 def tracers_picture(scene: TracersScene, sample: Sequence[Frame], size: Size = USUAL, eye: Eye | None = None) -> Tank:
     """The tank from the side, or in 3D from a camera; each species in its color."""
+    kind = TracersTank if scene.openings else Tank
     if eye is None:
-        return TracersTank(setting_of(scene), sample, size)
+        return kind(setting_of(scene), sample, size)
     if sample[0].arrays["position"].shape[1] != 3:
         raise BadInput("got azimuth or elevation for a 2D scene; expected a 3D scene, or neither of them")
-    return TracersTank(setting_in_space(scene, eye), sample, size)
+    return kind(setting_in_space(scene, eye), sample, size)
 
 
 def setting_in_space(scene: TracersScene, eye: Eye) -> Setting:
