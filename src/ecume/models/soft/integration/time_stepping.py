@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
 from ecume.errors import Diverged
@@ -153,7 +155,8 @@ def shortening(tried: Tried) -> float:
         return 0.5
     if tried.tries > 0 and (excess := missed_work(tried)) > 1.0:
         tried.tries -= 1
-        return for_work(excess)
+        # A power of two: the residual is a difference, and its rounding must not decide the lengths of later steps.
+        return 2.0 ** math.floor(math.log2(for_work(excess)))
     return 1.0
 
 
