@@ -92,7 +92,7 @@ def test_check_states_the_size_of_drawings_without_a_unit(tmp_path, capsys):
 
 
 def test_a_drawn_tank_is_a_solid_of_this_name(tmp_path):
-    """Their sizes and forces are told apart by name, and messages count the obstacles of the file."""
+    """Names distinguish their sizes and forces, and messages count the obstacles of the file."""
     scene_of(tmp_path, sphere(400.0), HALF, "10 cm")
     path = tmp_path / "drawn.toml"
     unitless = DRAWN.replace('outline_unit = "mm"', "")
