@@ -43,6 +43,7 @@ from ecume.models.floating.coupled.mobility import (
 )
 from ecume.models.floating.options import Built, Option
 from ecume.models.floating.parameters import Parameters, State, Workspace
+from ecume.models.floating.setup.overlaps import gaps_of_outlines
 from ecume.models.floating.shaped.bodies import (
     Outlined,
     Shaped,
@@ -51,7 +52,6 @@ from ecume.models.floating.shaped.bodies import (
     find_outline_contacts,
     separate_outlines,
 )
-from ecume.models.floating.shaped.constants import overlaps
 from ecume.models.model import DONE
 from ecume.units import Array
 
@@ -151,7 +151,7 @@ class ContactModel(Option):
 def _outline_gaps(
     part: Any, parameters: Parameters, position: Array, angle: Array, reach: float
 ) -> list[tuple[int, int, float]]:
-    return overlaps(part.outlines, part.places, parameters, (position, angle), reach)
+    return gaps_of_outlines(part, parameters, (position, angle), reach)
 
 
 def _outlined(parameters: Parameters, scene: FloatingScene, interactions: tuple[Any, ...]) -> Built:

@@ -28,7 +28,9 @@ from ecume.models.floating.forces.interactions import interactions_of
 from ecume.models.floating.forces.pair_forces import row_of
 from ecume.models.floating.options import Built, Option, scene_error
 from ecume.models.floating.parameters import CAPILLARY_LENGTH, WORK, Parameters, State, is_driven, make_state
+from ecume.models.floating.setup.overlaps import KEPT, SLIGHT, separated, separated_outlines
 from ecume.models.floating.setup.places import given_places, region_of
+from ecume.models.floating.shaped.bodies import Outlined
 from ecume.models.floating.time_integration.integration import WIDEST, inertia_of
 from ecume.models.layouts import Layout
 from ecume.units import Array, with_prefix
@@ -144,8 +146,11 @@ def start(scene: FloatingScene, parameters: Parameters) -> State:
     places.position[:] = into_box(places.position, parameters.periods)
     free = np.isnan(places.position[:, 0])
     if _are_hard(parameters):
-        places.position[~free] = separated(places.position[~free], parameters.floats.radius[~free], parameters.periods)
-    if contacts_of(parameters).gaps is not None:
+        places.position[~free] = separated(
+            places.position[~free], parameters.floats.radius[~free], parameters.periods, parameters.walls,
+            parameters.slop,
+        )  # fmt: skip
+    if isinstance(parameters.parts.contacts, Outlined):
         _check_shapes(scene, parameters, places.position, np.flatnonzero(~free))
     else:
         _check(scene, parameters, places.position, np.flatnonzero(~free).astype(np.int64))
@@ -156,71 +161,25 @@ def start(scene: FloatingScene, parameters: Parameters) -> State:
             places.position[free] = place_at_random(radius[free], region_of(parameters), taken, scene.seed)
         except BadInput as error:
             raise SceneError([Fault("particles", str(error))]) from None
-    return with_angles(with_parts(make_state(places.position, places.velocity), parameters), scene, parameters)
+    state = with_angles(with_parts(make_state(places.position, places.velocity), parameters), scene, parameters)
+    if isinstance(parameters.parts.contacts, Outlined) and not np.all(free):
+        _move_apart(parameters.parts.contacts, parameters, state)
+    return state
+
+
+def _move_apart(part: Outlined, parameters: Parameters, state: State) -> None:
+    """Move and rotate shapes that overlap by more than contacts leave; others stay to the bit."""
+    at = state.position, state.turning[:, 0]
+    near = gaps_between(parameters, *at, 2.0 * TOUCHING * float(parameters.floats.radius.max()))
+    pairs = [row for row in near if not parameters.passing or row[1] >= len(state.position)]
+    if any(gap < -KEPT * parameters.slop for _, _, gap in pairs):
+        state.position[:], state.turning[:, 0] = separated_outlines(part, parameters, at, pairs)
 
 
 def _are_hard(parameters: Parameters) -> bool:
     """Whether round floats may not overlap."""
     contacts = contacts_of(parameters)
     return not parameters.passing and not contacts.stores_overlaps and contacts.gaps is None
-
-
-SLIGHT, SEPARATE, MOST_SWEEPS = 0.02, 2e-4, 1000
-"""The largest and the smallest overlap, in radii, that is removed before a run, and the largest number of sweeps. Soft
-contacts of other programs leave such overlaps; rafts of another run overlap less and are continued unchanged.
-"""
-
-
-def separated(position: Array, radius: Array, periods: Array) -> Array:
-    """Floats with small overlaps, separated along their lines of centers until they touch; other floats are unchanged.
-    The overlaps had no energy, which contacts would otherwise create.
-    """
-    if len(radius) < 2:
-        return position
-    pairs = _touching(position, radius, periods)
-    if not len(pairs):
-        return position
-    found, (i, j) = position.copy(), pairs.T
-    for _ in range(MOST_SWEEPS):
-        away = found[j] - found[i]
-        box = np.where(periods[0] > 0.0, periods[0], np.inf)
-        away -= np.where(np.isfinite(box), np.round(away / box) * np.where(np.isfinite(box), box, 0.0), 0.0)
-        distance = np.hypot(away[:, 0], away[:, 1])
-        least = np.minimum(radius[i], radius[j])
-        depth = radius[i] + radius[j] - distance
-        if (depth > SLIGHT * least).any() or not (depth > ENOUGH * least).any():
-            break
-        # Half of the displacement for a single pair, since a float with several overlaps is moved by each of them.
-        push = 0.25 * (np.maximum(depth, 0.0) / distance)[:, None] * away
-        np.add.at(found, i, -push)
-        np.add.at(found, j, push)
-    return found
-
-
-ENOUGH = 1e-10
-"""The remaining overlap, over the radius, at which the separation ends."""
-
-
-def _touching(position: Array, radius: Array, periods: Array) -> Integers:
-    """The pairs (P, 2) with a slight overlap, and their neighboring pairs."""
-    box = [side if side > 0.0 else None for side in periods[0].tolist()]
-    wrapped = None if None in box else np.array(box)
-    from scipy.spatial import cKDTree
-
-    reach = 2.0 * float(radius.max()) * (1.0 + SLIGHT)
-    pairs = cKDTree(position if wrapped is None else np.mod(position, wrapped), boxsize=wrapped).query_pairs(
-        reach, output_type="ndarray"
-    )
-    if not len(pairs):
-        return np.zeros((0, 2), np.int64)
-    away = position[pairs[:, 1]] - position[pairs[:, 0]]
-    if wrapped is not None:
-        away -= np.round(away / wrapped) * wrapped
-    least = np.minimum(*radius[pairs.T])
-    depth = radius[pairs].sum(axis=1) - np.hypot(away[:, 0], away[:, 1])
-    if not (depth > SEPARATE * least).any() or (depth > SLIGHT * least).any():
-        return np.zeros((0, 2), np.int64)
-    return np.asarray(pairs[depth > -SLIGHT * least])
 
 
 def layout(scene: FloatingScene, parameters: Parameters, state: State) -> Layout:

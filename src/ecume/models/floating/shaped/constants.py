@@ -10,8 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ecume.engine.cells import Integers
-from ecume.engine.outlines import Outlines, Stance, bodies_near, turn_corners, wall_near
-from ecume.engine.walls import wall_count
+from ecume.engine.outlines import Outlines, Stance, bodies_near, turn_corners
 from ecume.errors import Fault, SceneError
 from ecume.models.floating.dishes import wall_strengths
 from ecume.models.floating.options import Built
@@ -228,26 +227,3 @@ def _two(outlines: Outlines, pair: tuple[int, int]) -> Outlines:
         ),
         _firsts([part.stop - part.start for part in edges]),
     )
-
-
-def overlaps(
-    outlines: Outlines, places: int, parameters: Parameters, at: tuple[Array, Array], reach: float
-) -> list[tuple[int, int, float]]:
-    """Pairs (i, j, gap) nearer than `reach`, for bodies `at` these positions and angles; a wall number k stands as
-    N + k. For starts and frames: each with each.
-    """
-    (position, angle), radius, count = at, parameters.floats.radius, len(at[0])
-    stance = Stance(np.ascontiguousarray(position), np.ascontiguousarray(angle), np.zeros_like(outlines.corner))
-    turn_corners(outlines, stance)
-    near, found = np.zeros((places, 8)), []
-    for i in range(count):
-        apart = np.hypot(*(position[i + 1 :] - position[i]).T)
-        for j in i + 1 + np.flatnonzero(apart < radius[i] + radius[i + 1 :] + reach):
-            total = bodies_near(outlines, stance, i, int(j), reach, near)
-            if total:
-                found.append((i, int(j), float(near[:total, 0].min())))
-        for wall in range(wall_count(parameters.walls)):
-            total = wall_near(outlines, stance, parameters.walls, (i, wall), reach, near)
-            if total:
-                found.append((i, count + wall, float(near[:total, 0].min())))
-    return found
