@@ -14,7 +14,7 @@ from typer.testing import CliRunner
 
 import ecume.trajectories.exports
 from ecume.cli import app
-from ecume.cli.pictures import ENDINGS, Format
+from ecume.cli.exports import ENDINGS, Format
 from ecume.cli.progress import counted
 from ecume.errors import BadInput
 from ecume.show.curves import ONE_FRAME

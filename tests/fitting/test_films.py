@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from ecume.cli.sweeps import track
+from ecume.cli.fits import track
 from ecume.engine.ffmpeg import pictures_of
 from ecume.errors import BadInput, StorageError
 from ecume.fitting import Camera, fit, read_tracks

@@ -9,7 +9,7 @@ from typer.testing import CliRunner
 
 import ecume
 from ecume.cli import app
-from ecume.cli.sweeps import _cells
+from ecume.cli.fits import _cells
 from ecume.errors import BadInput
 from ecume.fitting import Camera, Tracks, read_tracks
 from ecume.fitting.estimation import Estimate, certainty, positions_at, simulated, solved

@@ -1,6 +1,7 @@
 """The command line: verbs, their help, and the end of each.
 
-Start with the verbs: `scenes`, `runs`, `pictures`, `browser`, `sweeps`, `comparisons`; each lists its own in `VERBS`.
+Start with the verbs: `scenes`, `runs`, `movies`, `plots`, `exports`, `browser`, `sweeps`, `fits`,
+`comparisons`; each lists its own in `VERBS`.
 `output` prints, `progress` reports, and `endings` turns errors into messages and exit codes. Nothing heavy is imported
 before a verb runs, so that `ecume --help` answers at once.
 """
@@ -13,7 +14,7 @@ from typing import Annotated
 
 import typer
 
-from ecume.cli import browser, comparisons, pictures, progress, runs, scenes, sweeps
+from ecume.cli import browser, comparisons, exports, fits, movies, plots, progress, runs, scenes, sweeps
 from ecume.cli.endings import Ending, warned
 from ecume.cli.output import echo
 from ecume.cli.scenes import own_process
@@ -42,8 +43,8 @@ ALONE = (
     runs.list_runs,
     runs.verify,
     runs.repair,
-    pictures.movie,
-    pictures.plot,
+    movies.movie,
+    plots.plot,
     browser.view,
     browser.play,
 )
@@ -52,7 +53,7 @@ ALONE = (
 NAMES: dict[Callable[..., None], str] = {runs.list_runs: "list", runs.import_run: "import"}
 """Verbs whose names are Python's own words."""
 
-MODULES = (scenes, runs, pictures, browser, sweeps, comparisons)
+MODULES = (scenes, runs, movies, plots, exports, browser, sweeps, fits, comparisons)
 for verb in (verb for module in MODULES for verb in module.VERBS):
     app.command(NAMES.get(verb), no_args_is_help=verb not in ALONE)(verb)
 

@@ -9,8 +9,8 @@ from typing import Annotated
 
 import typer
 
-from ecume.cli.output import echo
-from ecume.cli.pictures import wrote
+from ecume.cli.options import argument, option
+from ecume.cli.output import echo, wrote
 from ecume.cli.runs import HERE, Quiet, offered
 from ecume.cli.scenes import Overrides, without_compiler_for
 from ecume.errors import BadInput
@@ -20,22 +20,14 @@ LOOK_EVERY = 0.5
 
 
 Viewed = Annotated[
-    Path,
-    typer.Argument(
-        metavar="DIR",
-        help="Directory of a run, or the file of a scene; default: the current directory.",
-        show_default=False,
-    ),
+    Path, argument(metavar="DIR", help="Directory of a run, or the file of a scene; default: the current directory.")
 ]
 
 
 def view(
     directory: Viewed = HERE,
     save: Annotated[
-        Path | None,
-        typer.Option(
-            "--save", metavar="FILE", help="Write the page to a file instead of opening it.", show_default=False
-        ),
+        Path | None, option("--save", metavar="FILE", help="Write the page to a file instead of opening it.")
     ] = None,
     max_size: Annotated[
         float,
@@ -121,10 +113,9 @@ def _follow(directory: Path) -> None:
 def play(
     scene: Annotated[
         Path | None,
-        typer.Argument(
+        argument(
             metavar="SCENE",
             help="Scene of floats in a dish, of a tank in 2D, or of a T1 process; default: a small bowl.",
-            show_default=False,
         ),
     ] = None,
     tank: Annotated[bool, typer.Option("--tank", help="Use a small tank of water instead of a scene.")] = False,

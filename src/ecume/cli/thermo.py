@@ -11,6 +11,7 @@ import typer.core
 
 if TYPE_CHECKING:
     from ecume.trajectories.frame import Frame
+from ecume.cli.options import option
 from ecume.cli.output import echo
 
 LEAST_WIDTH = 12
@@ -20,18 +21,14 @@ LEAD = {"step": "", "time": "s"}
 Thermo = Annotated[bool, typer.Option("--thermo", help="Print a table of numbers with one line per frame.")]
 Columns = Annotated[
     str | None,
-    typer.Option(
+    option(
         "--thermo-columns",
         metavar="NAMES",
         help="Columns of --thermo, separated by commas; default: the main numbers of the model.",
-        show_default=False,
     ),
 ]
 ThermoEvery = Annotated[
-    int | None,
-    typer.Option(
-        "--thermo-every", metavar="N", min=1, help="Frames per line of --thermo; default: 1.", show_default=False
-    ),
+    int | None, option("--thermo-every", metavar="N", min=1, help="Frames per line of --thermo; default: 1.")
 ]
 
 
