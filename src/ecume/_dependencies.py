@@ -107,7 +107,7 @@ def text_digest(files: Iterable[Path]) -> str:
 
 
 def _lines(function: Any, classes: Iterable[type]) -> Iterator[str]:
-    """Descriptions of all that a walk reaches, breadth first: the order is that of the names in the code."""
+    """Descriptions of all objects that the search reaches, breadth first, in the order of their names in the code."""
     seen: dict[int, Any] = {}  # by identity, with a reference, since choices may create functions
     ahead: deque[Any] = deque([function, *classes])
     points: list[Any] = []
@@ -148,8 +148,8 @@ _descriptions: dict[int, tuple[Any, Description]] = {}
 
 
 def _described(one: Any) -> Description:
-    """Made once in a process for what the package has: it must not change while it runs. What users write is described
-    each time, since a session may change it between runs.
+    """The description of an object. Those of the package are made once per process, since the package must not change
+    while it runs; those of the user are made each time, since a session may change them between runs.
     """
     if id(one) in _descriptions:
         return _descriptions[id(one)][1]

@@ -131,7 +131,7 @@ def _further_column(columns: Any, k: Any) -> Any:
 
 
 def _transposed(builder: Any, vectors: list[Any]) -> list[Any]:
-    """The transpose of so many vectors of as many elements, by exchanges at distances 1, 2, 4."""
+    """The transpose of n vectors with n elements each, by exchanges at distances 1, 2, 4."""
     count, distance = len(vectors), 1
     while distance < count:
         upper = [k if not k & distance else count + k - distance for k in range(count)]

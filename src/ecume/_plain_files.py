@@ -202,7 +202,7 @@ def append(file: FileIO, content: bytes) -> None:
 
 
 def content_of(path: Path, most: int, root: Path | None = None) -> bytes:
-    """The content of a plain file of at most so many bytes."""
+    """The content of a plain file with at most `most` bytes."""
     with opened(path, "r", root) as file:
         size = os.fstat(file.fileno()).st_size
         if size > most:

@@ -22,7 +22,7 @@ QUICK = WORD in sys.argv
 
 
 def sized(full: Size, quick: Size) -> Size:
-    """A size: the full one, or the one that takes seconds."""
+    """The size of a computation: `full`, or `quick`, which takes seconds."""
     return quick if QUICK else full
 
 

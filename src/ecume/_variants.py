@@ -63,7 +63,7 @@ class Threaded(Dispatcher):
         super().__init__(function, {"parallel": True}, cache=True)
 
     def __call__(self, *arguments: Any) -> Any:
-        """Run the loop."""
+        """Run the version without threads on small systems, otherwise the one with threads."""
         require_own_threads()
         return super().__call__(*arguments)
 
@@ -82,7 +82,7 @@ class Spread:
         self.__doc__, self.__name__ = function.__doc__, function.__name__
 
     def __call__(self, array: Any, *arguments: Any) -> Any:
-        """Run the one or the other."""
+        """Run the version without threads on small systems, otherwise the one with threads."""
         if array.shape[-1] < self.few:
             return self.alone(array, *arguments)
         require_own_threads()

@@ -1,4 +1,6 @@
-"""Dam break in 3D against a box: pressures on the box and levels of the water, beside an experiment [kleefsman2005]."""
+"""Dam break in 3D against a box: pressures on the box and levels of the water, compared with an experiment
+[kleefsman2005].
+"""
 
 from __future__ import annotations
 

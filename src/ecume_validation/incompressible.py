@@ -1,4 +1,4 @@
-"""Liquids without sound waves: a tank at rest, vortices and a dam break, beside weakly compressible runs."""
+"""Liquids without sound waves, compared with weakly compressible ones: a tank at rest, vortices and a dam break."""
 
 from __future__ import annotations
 

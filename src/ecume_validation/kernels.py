@@ -1,4 +1,4 @@
-"""Smoothing kernels beside their defining properties, an independent computation, and published numbers."""
+"""Smoothing kernels compared with their defining properties, an independent computation, and published numbers."""
 
 from __future__ import annotations
 

@@ -103,7 +103,7 @@ def start_time(scene: Scene) -> float:
 
 
 def sheared(first: Array, position: Array) -> float:
-    """The displacement of the upper quarter of the spheres along x beside the lower one, over their distance."""
+    """The displacement of the upper quarter of the spheres along x relative to the lower one, over their distance."""
     order, part = np.argsort(first[:, 1]), len(first) // 4
     lower, upper = order[:part], order[-part:]
     moved = (position - first)[:, 0]

@@ -1,4 +1,4 @@
-"""A tank with a small oscillation: the rise of the surface at its walls, beside the series of potential flow."""
+"""A tank with a small oscillation: the rise of the surface at its walls, compared with the series of potential flow."""
 
 from __future__ import annotations
 

@@ -240,8 +240,8 @@ def rows_of(name: str, piece: Piece, strain: float = STRAIN) -> Iterator[Row]:
 
 
 def stationary(template: str, factor: float, pieces: Sequence[Piece]) -> Row:
-    """A row on the mean shear stress over the second half of the strain, over that over the quarter before, averaged
-    over seeds.
+    """Compare the mean shear stress over the second half of the strain with that over the quarter before it: their
+    ratio, averaged over seeds.
 
     Blocks of a quarter are shorter than the correlation of a small packing, so that the scatter over seeds is included.
     """

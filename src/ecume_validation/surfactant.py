@@ -78,7 +78,7 @@ VISCOSITY, DENSITY = 1e-3, 998.0
 
 
 def sizes() -> Iterator[Row]:
-    """The exponent of the speed over the radius in closed form, with two laws of drag, beside the measured one."""
+    """Compare the exponent of the speed over the radius, with two laws of drag, with the measured one."""
     measured = next(float(row["value"]) for row in read_table("surfactant") if row["quantity"] == "exponent")
     stokes = exponent([stokes_speed(radius) for radius in RADII])
     yield within("exponent of speed over radius, Stokes drag; the published plane model has 1/2", stokes, 0.5, 0.02)
@@ -167,7 +167,9 @@ def bound_sources() -> Iterator[Row]:
 
 
 def source_and_inert_float() -> Iterator[Row]:
-    """A source and an inert sphere: the source alone is at rest, the pair swims with the inert sphere in front."""
+    """Compare the motion of a source and an inert sphere: the source alone is at rest, the pair swims with the inert
+    sphere in front.
+    """
     source, heading = np.array([-2e-3, -1e-3]), np.array([math.cos(0.4), math.sin(0.4)])
     pair = Pair(1500.0, False, np.array([source, source + 3.3e-3 * heading]), 6.0)
     tracks = pair.tracks()

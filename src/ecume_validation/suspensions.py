@@ -148,13 +148,13 @@ def friction_point(piece: Piece) -> tuple[Mean, Mean]:
 
 
 def viscosity(piece: Piece) -> Mean:
-    """The shear stress of the spheres over that of the liquid alone."""
+    """The shear stress of the spheres over that of the pure liquid."""
     unit = VISCOSITY * piece.rate * DIAMETER
     return Mean(piece.shear.value / unit, piece.shear.error / unit)
 
 
 def pressure_viscosity(piece: Piece) -> Mean:
-    """The pressure over the shear stress of the liquid alone, which diverges where the viscosity diverges."""
+    """The pressure over the shear stress of the pure liquid, which diverges where the viscosity diverges."""
     unit = VISCOSITY * piece.rate * DIAMETER
     return Mean(piece.pressure.value / unit, piece.pressure.error / unit)
 

@@ -39,7 +39,7 @@ class Course(NamedTuple):
 
 
 def _paths(frames: Frames) -> Array:
-    """Tracks of the particles that are there in all frames. Raises BadInput for fewer than two of them."""
+    """Tracks of the particles that exist in all frames. Raises BadInput for fewer than two of them."""
     paths = tracks(frames)
     whole = np.isfinite(paths).all(axis=(0, 2))
     if whole.sum() < 2:

@@ -164,8 +164,8 @@ EINSTEIN = 2.5
 def suspension_viscosity(
     of_contacts: Viscosity, viscosity: Viscosity, fraction: Number, thickness: float | None = None
 ) -> Viscosity:
-    """The viscosity with that of a dilute suspension, eta (1 + 2.5 phi), beside the contacts. [einstein1906], with
-    the slope as corrected in 1911.
+    """The viscosity from the stress of contacts plus that of a dilute suspension, eta (1 + 2.5 phi). [einstein1906],
+    with the slope as corrected in 1911.
 
     The stress of a frame is that of contacts: its viscosity lacks the liquid that flows between spheres far apart, and
     tends to zero when dilute. The sum is an estimate in between, not a theory. In a layer, of a given `thickness` (the

@@ -19,8 +19,8 @@ FEWEST = 8
 
 
 def since(frames: Sequence[Frame], start: Time, end: Time = math.inf) -> Sequence[Frame]:
-    """The frames from a time on, the one at this time included, and before another, at which a frame shows what follows
-    a jump. Raises BadInput for too few.
+    """The frames from `start` (included) to `end` (excluded): a frame at the time of a jump shows the state after it.
+    Raises BadInput for too few.
     """
     found = [frame for frame in frames if start * (1.0 - 1e-9) <= frame.time < end * (1.0 - 1e-9)]
     if len(found) < FEWEST:

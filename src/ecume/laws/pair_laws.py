@@ -104,7 +104,7 @@ InverseArea = Annotated[float, Unit("1/m^2")]
 
 
 class PairParameters(NamedTuple):
-    """The parameters of the two floats of a pair for pair laws, beside the distance of their centers."""
+    """The properties of the two floats of a pair that a pair law gets, in addition to the distance of their centers."""
 
     radius_i: Length
     radius_j: Length

@@ -112,7 +112,7 @@ def wetted_share(color: Number) -> Number:
     1 above 1.
 
     On a wall, contours of the color end in lines, and the contour of value c encloses the part of the wall whose color
-    is above c. With the energy -sigma cos(theta) int chi(c) dA of the wall each contour pays Young's difference
+    is above c. With the energy -sigma cos(theta) int chi(c) dA of the wall each contour contributes Young's difference
     sigma_sl - sigma_sg = -sigma cos(theta) for the area that it encloses, whatever the width of the layer.
     [young1805, brackbill1992].
 

@@ -59,7 +59,7 @@ Way = Literal["moving", "turning"]
 
 
 class Coefficients(NamedTuple):
-    """Those of the harmonic functions in bispherical coordinates of which the flow consists, for n = 0, 1, ..."""
+    """The coefficients of the flow's harmonic functions in bispherical coordinates, for n = 0, 1, ..."""
 
     n: Array
     a: Array

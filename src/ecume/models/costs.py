@@ -127,7 +127,9 @@ class FrameCost(NamedTuple):
 
 
 def frame_cost(scene: Common, content: Content, steps: float) -> FrameCost:
-    """The cost of the frames of a scene on the disk of the current folder, and of samples in so many time steps."""
+    """The cost of a scene's frames, on the disk of the current folder, and of its samples; `steps` is the number of
+    time steps.
+    """
     frames, asked = scene.frames + 1, scene.output.quantities
     written = {name: width for name, width in content.arrays.items() if name in (*asked, "position") or not asked}
     content = content._replace(arrays=written)
@@ -141,7 +143,7 @@ def frame_cost(scene: Common, content: Content, steps: float) -> FrameCost:
 
 
 def sample_cost(scene: Common, content: Content, steps: float) -> SampleCost:
-    """The cost of the samples between frames, in so many time steps."""
+    """The cost of the samples between frames; `steps` is the number of time steps."""
     asked = scene.output.samples
     if asked is None:
         return SampleCost()

@@ -60,7 +60,7 @@ def grid_of(spec: FieldSpec, dimensions: int) -> Grid:
         places, velocity, times = readers[path.suffix.lower()](path, names, spec.time_unit)
     except BadInput:
         raise
-    except Exception as error:  # libraries end in any exception where a file is damaged
+    except Exception as error:  # libraries raise any exception for a damaged file
         raise BadInput(_unreadable(path, error), "file") from error
     for name, place in zip(names.coordinates, places, strict=True):
         _require_line(path, name, place.ndim)
@@ -75,7 +75,7 @@ def grid_of(spec: FieldSpec, dimensions: int) -> Grid:
 
 
 def _unreadable(path: Path, error: Exception) -> str:
-    """The sentence for a file that a library cannot read: the first line of what it says, in plain characters."""
+    """The message for a file that a library cannot read: the first line of the library's error in plain characters."""
     cause, _, _ = (str(error) or type(error).__name__).partition("\n")
     if isinstance(error, (LookupError, OverflowError)):
         cause = "it is damaged or cut off"

@@ -222,7 +222,7 @@ def linear_velocity(shape: LinearField, x: float, y: float, z: float, time: floa
 
 
 class Fitted(NamedTuple):
-    """A field for compiled code, and what it leaves of the velocities of a file."""
+    """A field for compiled code, and the part of a file's velocities that it does not represent."""
 
     shape: Any
     removed: float

@@ -125,7 +125,7 @@ LAMMPS = "lammps"
 
 
 def _no_facts() -> Mapping[str, str | int]:
-    """No facts beside the versions that each session records."""
+    """Return no facts in addition to the versions that each session records."""
     return {}
 
 

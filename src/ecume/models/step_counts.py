@@ -23,7 +23,9 @@ BEFORE = -1
 
 
 def last_step(scene: Common, per_frame: int, least: int = 1) -> int:
-    """The step at which a run ends: the nearest to its duration, and at least so many past the last whole frame."""
+    """The step at which a run ends: the nearest to its duration, and not earlier than a given number of steps after the
+    last whole frame.
+    """
     rest = scene.rest
     return scene.whole_frames * per_frame + (max(least, round(rest * per_frame)) if rest else 0)
 

@@ -59,7 +59,7 @@ def fit_of(edges: Edges) -> Fit:
 
 
 def _is_closed(edges: Edges) -> bool:
-    """Whether the sides are shut, and nothing else."""
+    """Whether all sides are walls, without further walls inside or periodic sides."""
     along, up = edges.along, edges.up
     sides = along[:, [0, -1]].all() and up[[0, -1]].all()
     inside = along[:, 1:-1].any() or up[1:-1].any()

@@ -1,5 +1,4 @@
-"""Archives of arrays (`.npz`) that may come from anyone: each size is compared with the file before it is
-allocated.
+"""Archives of arrays (`.npz`) from unknown sources: each size is compared with the file before memory is allocated.
 
 `numpy.savez` stores arrays as they are. An archive that is compressed, or whose arrays are larger than the file,
 was not written by it and is refused. `seal` adds a checksum of the whole file, as the comment that the format of

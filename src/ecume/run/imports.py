@@ -168,7 +168,7 @@ class Alike:
             )
 
     def _require_interval(self, now: float | None, frame: int) -> None:
-        """Raise BadInput if a frame is not as long after the one before as the frames so far on average."""
+        """Raise BadInput if the time between two frames differs from the mean of the earlier frames."""
         if now is None or self.first is None or self.last is None:
             return
         usual, interval = (now - self.first) / frame, now - self.last

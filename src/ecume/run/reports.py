@@ -285,7 +285,7 @@ def _differing(first: object, second: object, path: str = "") -> Iterator[Change
 
 
 def _entries(value: object) -> Mapping[Any, object] | None:
-    """The entries of a table, or of a list of tables; None of anything else."""
+    """The entries of a table, or of a list of tables; None for anything else."""
     if isinstance(value, dict):
         return value
     if isinstance(value, list) and any(isinstance(each, dict) for each in value):

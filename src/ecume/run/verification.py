@@ -239,7 +239,7 @@ def _compared(home: RunDirectory) -> tuple[frozenset[str], list[str]]:
 
 
 def _beside(home: RunDirectory) -> list[str]:
-    """The faults of the files beside the frames."""
+    """The faults of the files that are not frames."""
     checks: list[Callable[[], object]] = [
         lambda: resolved_at(home.path, manifest_of(home)),
         lambda: constants.require_sound_constants(home),
@@ -298,7 +298,7 @@ def lock_of(home: RunDirectory) -> None:
 
 
 def _samples(home: RunDirectory) -> None:
-    """Raise StorageError for samples that differ from what was written."""
+    """Raise StorageError for samples that differ from the written ones."""
     if home.samples.exists() or home.sums.exists():
         rows_of(home.samples, identity_of(home))
 

@@ -574,7 +574,7 @@ def float_rows(raw: dict[str, Any], start: Start) -> tuple[list[dict[str, Any]],
 
 
 def _faults_of_species(one: Species, particles: Particles) -> Complaints:
-    """The faults of a species of floats, apart from those of the numbers in the file."""
+    """The faults of a species of floats, without those of the numbers in the file."""
     from ecume.scenes.floating import FloatRow
 
     row = _row(one, particles, int(one.which[0]))

@@ -105,7 +105,7 @@ def residence(frames: Frames, scene: TracersScene) -> Figure:
 
 
 def whole_bins(values: Array, interval: float) -> Array:
-    """Edges of bins as wide as a whole number of intervals between frames, of which the values are multiples."""
+    """Edges of bins whose width is a multiple of the interval between frames, since the values are multiples of it."""
     low, high = float(values.min()) - 0.25 * interval, float(values.max())
     width = max(1.0, np.ceil((high - low) / BINS / interval)) * interval
     edges: Array = low + width * np.arange(int((high - low) / width) + 2)

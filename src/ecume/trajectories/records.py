@@ -326,8 +326,8 @@ def _crc(content: str, owner: str) -> str:
 
 
 def identity(manifest: Mapping[str, Any]) -> str:
-    """The identity of a run, which its files have in their checksums: a digest of what is simulated. Runs of equal
-    scenes with equal code share it, and have the same files.
+    """The identity of a run, which enters the checksums of its files: a digest of scene and code. Runs of equal scenes
+    with equal code share it, and have the same files.
     """
     parts = [manifest.get(name) for name in ("scene_sha256", "extra_laws", "actions", "engine", "imported")]
     return hashlib.sha256(json.dumps(parts, sort_keys=True).encode()).hexdigest()[:16]

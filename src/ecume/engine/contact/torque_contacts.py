@@ -100,7 +100,7 @@ def impulse_response(mobility: Array, angle: float, jacobian: Array, response: A
 def write_row(
     contacts: TorqueContacts, row: int, pair: tuple[int, int], near: Array, stance: Stance, mobility: Array
 ) -> None:
-    """Write one feature at which two bodies are near as a contact: gap, Jacobian row, response and effective mass."""
+    """Store one close approach of two bodies as a contact: gap, Jacobian row, response and effective mass."""
     i, j = pair
     contacts.first[row], contacts.second[row], contacts.place[row] = i, j, j * FEATURES + int(near[7])
     contacts.gap[row] = near[0]

@@ -1,4 +1,4 @@
-"""The estimated time of the first contact: the closest pair alone, with its attraction and drag.
+"""The estimated time of the first contact, from the attraction and the drag of the closest pair alone.
 
 Other floats, walls and currents are not considered, so that the time is a rough one: it shows whether a run is long
 enough, and its frames close enough, to see the contact.

@@ -48,7 +48,9 @@ if TYPE_CHECKING:
 
 
 class FloatPair(NamedTuple):
-    """The properties of the two floats of a pair for user-defined laws, beside the distance of their centers."""
+    """The properties of the two floats of a pair that user-defined laws get, in addition to the distance of their
+    centers.
+    """
 
     radius_i: float
     radius_j: float

@@ -1,4 +1,4 @@
-"""The packing as a porous medium: what the permeation of the liquid needs of a scene."""
+"""The packing as a porous medium: the quantities of a scene that the permeation of the liquid requires."""
 
 from __future__ import annotations
 

@@ -31,7 +31,7 @@ TESTED = (1e-6, 1e-3, 1.0)
 
 
 class SpherePair(NamedTuple):
-    """The properties of the two spheres of a pair for user-defined laws, beside the gap."""
+    """The properties of the two spheres of a pair that user-defined laws get, in addition to the gap."""
 
     radius_i: float
     radius_j: float

@@ -72,7 +72,7 @@ class Rheology(NamedTuple):
 
 
 class Dummies(NamedTuple):
-    """The particles that walls are made of."""
+    """The particles that represent walls."""
 
     position: Array
     """(d, D)"""

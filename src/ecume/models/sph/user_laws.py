@@ -43,7 +43,7 @@ from ecume.units import Array
 
 
 class LiquidPair(NamedTuple):
-    """The properties of two particles of the liquid that laws of the user get beside their distance."""
+    """The properties of two liquid particles that user-defined laws get, in addition to their distance."""
 
     mass_i: float
     mass_j: float
@@ -54,7 +54,9 @@ class LiquidPair(NamedTuple):
 
 
 class LiquidParticle(NamedTuple):
-    """The properties of a particle of the liquid that external laws get beside position, velocity and time."""
+    """The properties of a liquid particle that user-defined external laws get, in addition to position, velocity and
+    time.
+    """
 
     mass: float
     density: float

@@ -1,4 +1,4 @@
-"""Which flow goes around the obstacles of a scene: an exact solution, or one that is solved at the start."""
+"""The flow around the obstacles of a scene: an exact solution, or one that is computed at the start."""
 
 from __future__ import annotations
 

@@ -1,5 +1,5 @@
-"""Forces on tracers in a liquid whose velocity varies, beside drag: its acceleration, Faxen's correction, and Saffman's
-lift.
+"""Forces on tracers that follow from the variation of the liquid's velocity: its acceleration, Faxen's correction, and
+Saffman's lift.
 
 They are those of Maxey and Riley's equation without Basset's history [maxey1983], evaluated at the middle of a step and
 constant during it. `ecume check` states the size of the history force.

@@ -69,7 +69,7 @@ class LiquidFlow(NamedTuple):
     """the divergence that the interpolation removes, over the fluxes in a file"""
 
     def velocity(self, places: Array, time: float | Array) -> Array:
-        """The velocity (n, d) at places (m/s), at one time or at one for each."""
+        """The velocity (n, d) in m/s at places, at one time or at a separate time for each place."""
         found = np.tile(self.uniform[: places.shape[1]], (len(places), 1))
         found[:, 0] += self.shear_rate * places[:, -1]
         if self.loops is not None:

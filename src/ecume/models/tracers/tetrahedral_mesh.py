@@ -237,7 +237,7 @@ def _border(
 
 
 def _along_edge(a: Array, b: Array, size: Sizes) -> Array:
-    """Nodes between two corners, as far apart as the sizes say."""
+    """Nodes between two corners, at the distances that the sizes prescribe."""
     share = np.linspace(0.0, 1.0, 400)
     density = float(np.abs(b - a).max()) / size(a + share[:, None] * (b - a))
     total = np.concatenate([[0.0], np.cumsum(0.5 * (density[1:] + density[:-1]) * np.diff(share))])

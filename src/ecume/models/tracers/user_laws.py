@@ -48,7 +48,7 @@ FINE = 1e-6
 
 
 class Tracer(NamedTuple):
-    """The properties of a particle for user-defined laws, beside position, velocity and time."""
+    """The properties of a particle that user-defined laws get, in addition to position, velocity and time."""
 
     radius: float
     density: float

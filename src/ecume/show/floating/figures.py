@@ -166,8 +166,8 @@ def approaches(frames: Frames, scene: Any) -> Figure:
 
 
 def distances(frames: Frames, scene: Any) -> Figure:
-    """The gap (mm) of the only two floats, or of pairs that touch in the end, over time; of two floats alone, beside
-    the solution of their equation of motion.
+    """The gap (mm) of the only two floats, or of pairs that end in contact, over time; for two floats also the solution
+    of their equation of motion.
     """
     shown = evolution(frames)
     radius, box = shown[-1].arrays["radius"], box_of(shown[-1])
@@ -201,8 +201,8 @@ MET = 0.03
 
 
 def two_body_gap(frames: Frames, scene: Any) -> Array | None:
-    """(2, T) times (s) and gaps (m) of two floats that nothing else acts on, m x'' = F(r) - friction x', up to contact;
-    None for other scenes.
+    """Times (s) and gaps (m), shape (2, T), of two floats without other forces, m x'' = F(r) - friction x', up to
+    contact; None for other scenes.
     """
     row, first = PAIR_LAWS[str(scene.interaction.law)], frames[0]
     if len(first.arrays["radius"]) != 2 or not _alone(scene) or not (row.has_force and row.reciprocal):
@@ -248,8 +248,8 @@ def _alone(scene: Any) -> bool:
 
 
 def shapes(frames: Frames, scene: Any) -> Figure:
-    """The rafts of the last frame: radius of gyration over number, beside that of a round, close-packed raft, and the
-    fitted fractal dimension.
+    """The rafts of the last frame: radius of gyration over number, that of a round, close-packed raft, and the fitted
+    fractal dimension.
     """
     clusters = touching_clusters(frames[-1])
     found = shapes_of(frames[-1], clusters)

@@ -209,7 +209,9 @@ def nonaffine(frames: Frames, scene: SoftScene) -> Figure:
 
 
 def _strain_apart(frames: Frames) -> tuple[Frame, Frame]:
-    """The last frame, and the latest one with a sufficiently different strain, or the one before."""
+    """The last frame, and the latest one whose strain differs sufficiently; without such a frame, the one before the
+    last.
+    """
     if len(frames) < 2:
         raise BadInput("motion takes two frames or more")
     (strain,) = series(frames, number("strain"))

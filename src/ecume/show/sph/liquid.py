@@ -173,15 +173,15 @@ def read(field: Array, position: Array, grid: Grid) -> Array:
 
 
 def lonely_part(filled: Array) -> Array:
-    """The size of a particle's disc over its full size, for this filling of its surroundings: 1 alone, 0 inside a
-    liquid.
+    """The size of a particle's disc over its full size, for this filling of its surroundings: 1 for an isolated
+    particle, 0 inside a liquid.
     """
     part: Array = np.clip((TOGETHER - filled) / (TOGETHER - LONELY), 0.0, 1.0)
     return part
 
 
 def add_discs(level: Array, grid: Grid, liquid: Liquid, part: Array, spacing: float) -> None:
-    """Raise the level to that of a disc (a ball) of the particle's volume around each particle that is alone."""
+    """Raise the level to that of a disc (a ball) of the particle's volume around each isolated particle."""
     chosen = part > 0.0
     if not chosen.any():
         return
@@ -238,7 +238,7 @@ class Surface(NamedTuple):
 def surface_of(
     scene: SphScene, frame: Frame, values: Array, fine: float = COARSEST, window: tuple[Array, Array] | None = None
 ) -> Surface:
-    """The region of a frame's liquid with the means of (N, k) values, with so many cells per spacing.
+    """The region of a frame's liquid with the means of (N, k) values, on a grid with `fine` cells per spacing.
 
     `window` are the corners of what is to be seen: open sides end there.
     """

@@ -1,4 +1,4 @@
-"""Frames as the page reads them: arrays of small integers with their ranges, one after the other, and what they are."""
+"""Frames in the format of the page: arrays of small integers with their ranges in sequence, and their descriptions."""
 
 from __future__ import annotations
 

@@ -173,8 +173,8 @@ def usual_quantity(scene: Any) -> str:
 
 
 def _peak(scene: Any) -> str:
-    """The number beside the kinetic energy: the largest pressure, where a single value of it does not depend on the
-    step.
+    """The number that is shown with the kinetic energy: the largest pressure, where its single values do not depend on
+    the step.
     """
     splashes = not pressure_of(scene).compressible and free_surface(scene)
     return "largest_speed" if splashes else "largest_pressure"

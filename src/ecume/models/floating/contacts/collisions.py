@@ -555,8 +555,8 @@ def separate(part: Any, scratch: Any, parameters: Parameters, state: State, work
 
 @compiled
 def require_rest(parameters: Parameters, contacts: Contacts | TorqueContacts) -> None:
-    """Require that pairs which approach by the kick alone close no gap at once: the speeds with the kick are in
-    `contacts.scratch`, those without it in `contacts.change`.
+    """Set bounds that keep the gaps of pairs open which approach only because of the kick; `contacts.scratch` has the
+    speeds with the kick, `contacts.change` those without it.
 
     A faster approach is not constrained: it is a collision of the next step.
     """

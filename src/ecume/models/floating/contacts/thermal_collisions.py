@@ -476,7 +476,7 @@ def advance_path(paths: Paths, i: int, when: float) -> None:
 
 @compiled
 def spread_lasting(contacts: Contacts, met: Integers, lasting: Integers) -> None:
-    """Mark all floats that collided with lasting ones in this step, and so on."""
+    """Mark all floats that are connected to lasting contacts by collisions in this step."""
     spreads = lasting.max() > 0
     while spreads:
         spreads = False
@@ -513,7 +513,7 @@ def require_distances(
             contacts.bound[row] = min(contacts.bound[row], contacts.scratch[row])
             continue
         if ahead > 0.0:
-            # As far along the normal as leads to this gap, beside the motion across it.
+            # The displacement along the normal that leads to this gap, in addition to the motion across it.
             target = end + ahead - moved - contacts.gap[row]
             contacts.bound[row] = (math.sqrt(max(target**2 - across**2, 0.0)) - ahead + moved) / time
         else:

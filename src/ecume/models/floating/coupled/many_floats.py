@@ -204,7 +204,7 @@ def sample_flow(sampled: Array, first: int) -> None:
         for column in range(columns):
             y = float(column if 2 * column < columns else column - columns)
             distance = math.sqrt(x * x + y * y)
-            # Odd fields vanish on the edge, which is as far in both directions.
+            # Odd fields vanish on the edge, whose distance is the same in both directions.
             edge = 2 * row == rows or 2 * column == columns
             for kind in range(2):
                 across, along = smooth_parts(kind, distance)

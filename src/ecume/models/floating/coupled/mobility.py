@@ -309,7 +309,7 @@ def fill_normals(part: CoupledKicks, step: int, seed: int, noise: Array) -> None
 def predict_coupled(
     part: CoupledKicks, parts: Parts, scratches: Scratch, parameters: Parameters, state: State, workspace: Workspace
 ) -> None:
-    """Complete the velocities that `fastest_coupled` computed by thermal noise."""
+    """Add thermal noise and the current to the velocities that `fastest_coupled` computed."""
     if parameters.drift.thermal > 0.0:
         add_coupled_noise(part, scratches.integrator, parameters, state)
     add_current(scratches.integrator)
@@ -540,7 +540,7 @@ def coupled_films_of(parameters: Parameters, scene: FloatingScene) -> Built:
 
 @compiled
 def approach_factor(distance: float, radius: float) -> float:
-    """The resistance of two equal approaching spheres by the mobility alone, over that of single ones."""
+    """The resistance of two equal approaching spheres that the mobility gives, over that of single spheres."""
     return 1.0 / (1.0 - radius * rotne_prager(distance, radius, radius)[1])
 
 

@@ -115,7 +115,7 @@ def _farthest(error: float) -> float:
 
 
 class FloatStatistics(NamedTuple):
-    """Numbers on which the work depends; lengths over the capillary length."""
+    """The statistics of the floats that determine the cost of a grid; lengths over the capillary length."""
 
     floats: int
     density: float

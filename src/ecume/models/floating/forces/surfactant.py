@@ -83,7 +83,7 @@ class Surfactant(NamedTuple):
 
 
 class SurfactantScratch(NamedTuple):
-    """The arrays of the state, and what the work of a step requires."""
+    """The arrays of the state, and scratch arrays of a step."""
 
     concentration: Array
     totals: Array

@@ -62,8 +62,8 @@ def inner_radius(skeleton: Skeleton) -> float:
 
 
 def diffusion_time(shaped: Shaped, thermal: float, width: Array) -> float:
-    """The time (s) of which a time step is the fraction GOOD: in the step noise moves a body by GOOD of its `width` and
-    turns it by GOOD rad at most (r.m.s. along one axis).
+    """The time scale (s) of diffusion. In a step of GOOD times this scale, noise moves a body by at most GOOD of its
+    `width` and rotates it by at most GOOD rad (r.m.s. along one axis).
     """
     if thermal == 0.0:
         return math.inf

@@ -1,5 +1,5 @@
-"""The length of the time step: the longest good one by the stiffness of forces and the speed of floats, and the one
-specified in a scene.
+"""The length of the time step: the longest that the stiffness of forces and the speed of floats permit, or that of the
+scene.
 """
 
 from __future__ import annotations

@@ -76,7 +76,7 @@ def comes_before(rows: Integers, row: int, others: Integers, other: int) -> bool
 
 @compiled
 def merged_order(rows: Integers, here: int) -> Integers:
-    """The sorted order of rows in two sorted parts, of which the first has `here` rows."""
+    """The order that sorts an array of two sorted parts; the first part has `here` rows."""
     order = np.zeros(len(rows), np.int64)
     old, new = 0, here
     for place in range(len(rows)):

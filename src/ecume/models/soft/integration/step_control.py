@@ -51,7 +51,7 @@ IMPOSED = len(Drive._fields)
 
 
 class Control(NamedTuple):
-    """What the length of a step depends on, beside the state; fields as in `Parameters`."""
+    """The quantities that determine the length of a step, in addition to the state; fields as in `Parameters`."""
 
     protocol: Protocol
     time_step: float

@@ -29,9 +29,7 @@ def pressure_arrays(step: Step) -> dict[str, Array]:
 
 
 def pressure_numbers(layers: Permeation | tuple[()], names: list[str]) -> dict[str, float]:
-    """The pore pressures at the walls with these names that are the ends of the layers, and the one with the largest
-    magnitude.
-    """
+    """The pore pressures at the walls of these names that bound the layers, and the one with the largest magnitude."""
     if not layers:
         return {}
     pressures = pore_pressures(layers)

@@ -60,7 +60,7 @@ class Start(NamedTuple):
 
 
 class Cluster(NamedTuple):
-    """A cluster, and what is known of it: all that pages need."""
+    """A cluster with all quantities that pages need."""
 
     contacts: Contacts
     step: Step
@@ -132,7 +132,7 @@ def take_step(cluster: Cluster) -> bool:
 
 
 def has_ended(cluster: Cluster) -> bool:
-    """See which goals were reached in the last step; whether nothing is left to see."""
+    """Record the goals that the last step reached; return whether the process is over."""
     begin, end = noted(cluster, 0), noted(cluster, 1)
     if watch(cluster.goals, cluster.seen, begin, end, crossing, cluster):
         return True
@@ -284,7 +284,7 @@ def crossing(cluster: Cluster, goal: float) -> float:
 
 
 def lacking(at: tuple[Cluster, float, float], length: float) -> float:
-    """What the vertical pair's force lacks of a goal after a step of this length."""
+    """The difference between a goal and the vertical pair's force after a step of this length."""
     cluster, start, goal = at
     go_back(cluster.before, cluster.step)
     tried(cluster, start, length, start + length)

@@ -227,7 +227,7 @@ def repelled_by_drawn(parameters: Parameters, state: State, number: int) -> Repe
 
 
 def close_to(parameters: Parameters, state: State, number: int, reach: float) -> tuple[Integers, Array, Array]:
-    """Particles less than `reach` outside of an obstacle: which, their gaps, and the normals there (n, d)."""
+    """The particles less than `reach` outside of an obstacle: their indices, gaps, and the normals there (n, d)."""
     shape = parameters.bodies.obstacles[number]
     low, high = shape.bounds()
     position = state.position.T

@@ -41,7 +41,7 @@ POSITION, VECTOR, WEIGHT, VALUE = 0, 3, 6, 7
 
 
 class Reading(NamedTuple):
-    """The rows of the table of fields that a sum reads of each particle, beside its position."""
+    """The rows of the table of fields that a sum reads from each particle, in addition to its position."""
 
     vector: int = NOTHING
     """the first of three rows"""
@@ -136,7 +136,7 @@ def fill_one(
 def fill_nine(
     columns: Floats, records: Floats, ninth: Floats, neighbor: Slots, begin: np.uint64, count: np.uint64
 ) -> None:  # fmt: skip
-    """Copy records of eight numbers, and the number beside each: a single one is quickly gathered."""
+    """Copy the records of eight numbers, and the ninth number of each neighbor, into columns."""
     fill_columns(columns, records, neighbor, begin, count, FIRST)
     for k in range(count):
         columns[FURTHER, INDEX(k)] = ninth[INDEX(neighbor[begin + INDEX(k)])]
@@ -175,7 +175,7 @@ def one_particle(columns: Floats, k: np.uint64, like: Vector) -> Particle:
 
 @summed_inside
 def nine_of(columns: Floats, k: np.uint64, like: Vector) -> Particle:
-    """The particle with eight numbers in record k and one beside it."""
+    """The particle of record k, with its ninth number from a separate array."""
     found: Particle = _particle(columns, k, columns[FURTHER, k], like)
     return found
 
@@ -196,7 +196,7 @@ def own_one(records: Floats, ninth: Floats, i: np.uint64, like: Vector) -> Parti
 
 @summed_inside
 def own_nine(records: Floats, ninth: Floats, i: np.uint64, like: Vector) -> Particle:
-    """The particle itself, with the number beside its record."""
+    """The particle itself, with its ninth number from a separate array."""
     found: Particle = _particle(records, i, ninth[i], like)
     return found
 

@@ -108,7 +108,7 @@ def near_surface(parameters: Parameters, workspace: Workspace) -> Flags:
     real = len(lists.counts)
     at_surface = np.zeros(real + len(images.source), np.bool_)
     at_surface[:liquid] = workspace.rates.fullness < SURFACE * parameters.dimension
-    # One side after the other, since an image may be of an earlier side's image.
+    # One side after the other, since images have images behind later sides.
     for first, last in zip(images.start[:-1], images.start[1:], strict=True):
         at_surface[real + first : real + last] = at_surface[images.source[first:last]]
     near = at_surface[:liquid].copy()

@@ -67,7 +67,9 @@ def regime_rows(scene: SphScene, parameters: Parameters) -> list[Row]:
 
 
 def _rheology(parameters: Parameters) -> list[Row]:
-    """The stress as a function of the rate of strain, and below which rate the liquid creeps."""
+    """The row on a rheology: the stress as a function of the rate of strain, and the rate below which the liquid
+    creeps.
+    """
     if parameters.rheology is None:
         return []
     consistency, exponent, stress, largest = parameters.rheology
@@ -542,8 +544,8 @@ def _cost(scene: SphScene, parameters: Parameters, count: int, bytes_each: float
 
 
 def faster_remark(scene: SphScene, parameters: Parameters) -> str:
-    """The remark that fronts take more steps of an incompressible liquid: they reach 2 sqrt(g H), where the estimate is
-    that of a fall, sqrt(2 g H).
+    """The remark that an incompressible liquid takes more steps with fronts, whose speed reaches 2 sqrt(g H): the
+    estimate takes that of a fall, sqrt(2 g H).
     """
     estimated = parameters.projection is not None and parameters.projection.free_surface
     if not estimated or scene.liquid.maximum_speed is not None:

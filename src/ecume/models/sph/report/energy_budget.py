@@ -158,7 +158,7 @@ def dummies_work(parameters: Parameters) -> bool:
 
 
 def may_lose_liquid(parameters: Parameters) -> bool:
-    """Whether liquid may be lost through a side, apart from sides that it could only reach by rising."""
+    """Whether liquid may leave through a side; sides that it could reach only by rising do not count."""
     outwards = np.array([-parameters.gravity, parameters.gravity])
     return bool((np.isfinite(parameters.bounds) & (outwards >= 0.0)).any())
 

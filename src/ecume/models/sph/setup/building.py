@@ -101,7 +101,7 @@ def second_of(scene: SphScene, material: Material) -> SecondLiquid | None:
 
 
 def materials_of(scene: SphScene, material: Material) -> tuple[Material, ...]:
-    """The liquids of a tank, of which this is the first."""
+    """The liquids of a tank; `material` is the first."""
     second = second_of(scene, material)
     return (material,) if second is None else (material, second.material)
 

@@ -1,4 +1,6 @@
-"""The requirements of a second liquid on other options: what knows one liquid only is refused, with the reason."""
+"""The requirements of a second liquid on other options: options that support only one liquid are refused, with the
+reason.
+"""
 
 from __future__ import annotations
 
@@ -84,7 +86,7 @@ LIMITS = (
 
 
 def require_two_liquids(scene: SphScene) -> None:
-    """Raise SceneError for options that know one liquid only, and for liquids that differ too much."""
+    """Raise SceneError for options that support only one liquid, and for liquids that differ too much."""
     faults = [Fault(path, got + limit.reason) for limit in LIMITS for path, got in limit.found(scene)]
     faults += _of_properties(scene)
     if faults:
