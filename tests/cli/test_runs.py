@@ -354,3 +354,12 @@ def test_a_run_with_a_named_law_and_an_action_is_resumed_with_their_files(tmp_pa
     assert b'"stop"' in kept
     assert b"mine.py" not in kept
     assert b"view.velocity" not in kept
+
+
+def test_a_run_with_a_slip_of_a_unit_says_so(asked: list[Any]) -> None:
+    """Those who do not check a scene see the remark, too."""
+    slip = ["run", "beads.toml", "--set", "liquid.surface_tension=45"]
+    text = "liquid.surface_tension: got 45 N/m, 600 times that of water; plain numbers are in SI units: 45 mN/m?"
+    assert cli.invoke(app, slip).stderr.startswith(f"ecume: warning: {text}\n")
+    assert cli.invoke(app, [*slip, "-q"]).stderr == ""
+    assert len(asked) == 2

@@ -162,3 +162,15 @@ def test_a_check_reports_the_same_in_plain_python(tmp_path: Path) -> None:
     measured = ("frames", "time on this machine")
     rows = [[row for row in found if row["quantity"] not in measured] for found in (json.loads(output.stdout), here)]
     assert rows[0] == rows[1]
+
+
+@pytest.mark.parametrize("verb", ["check", "run"])
+def test_faults_come_with_the_slips_that_may_cause_them(verb: str) -> None:
+    """A remark on the key of a fault would say the same twice."""
+    cli.invoke(app, ["new", "settling"])
+    done = cli.invoke(app, [verb, "settling.toml", "--set", "particles[0].radius=20", "--set", "liquid.temperature=1e9"])
+    *others, last = done.stderr.splitlines()
+    assert done.exit_code == 2
+    assert any("liquid.temperature: " in line for line in others)
+    assert not any("liquid.temperature: got 1e+09 K, " in line for line in (*others, last))
+    assert "particles[0].radius: got 20 m, more than 100 mm; plain numbers are in SI units: 20 um?" in last

@@ -12,11 +12,22 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from ecume._compiler_events import watch
-from ecume.cli.endings import say
+from ecume.cli.endings import say, warned
 from ecume.cli.options import argument, option
 from ecume.cli.output import Json, echo, print_json, print_table
 from ecume.cli.progress import ahead, counted, elapsed, lasting, shown
-from ecume.cli.scenes import Actions, EngineName, Laws, Overrides, Ranks, SceneFile, integrating, placed
+from ecume.cli.scenes import (
+    Actions,
+    EngineName,
+    Laws,
+    Overrides,
+    Ranks,
+    SceneFile,
+    integrating,
+    placed,
+    questioned,
+    questions,
+)
 from ecume.cli.thermo import Columns, Thermo, ThermoEvery, thermo_table
 from ecume.errors import StorageError
 
@@ -171,7 +182,11 @@ def run(
     changes, table = overrides or [], thermo_table(thermo, thermo_columns, thermo_every)
     directory = out or RUNS / scene.stem
     with integrating(engine, ranks) as led:
-        asked = load_scene(scene, changes)
+        with questioned(scene, changes):
+            asked = load_scene(scene, changes)
+        if not quiet:
+            for key, text in questions(scene, changes):
+                warned(f"{key}: {text}")
         # With changes from the command line, the simulated scene is the resolved one and not the file.
         source = None if changes else scene.read_bytes()
         with placed(scene, changes), watched(directory, enabled=view), shown(quiet=quiet) as reporter:

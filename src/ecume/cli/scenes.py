@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Annotated
 
 from ecume.cli.options import argument, option
 from ecume.cli.output import Json, echo, print_json, print_table
-from ecume.errors import BadInput, beside_ecume
+from ecume.errors import BadInput, Fault, SceneError, beside_ecume
 
 if TYPE_CHECKING:
     from ecume.models.model import Engine
@@ -172,7 +172,8 @@ def check(scene: SceneFile, overrides: Overrides = None, laws: Laws = None, json
     from ecume.scenes.valid_part import load_and_examine
 
     changes = overrides or []
-    asked = load_and_examine(scene, changes, examine)
+    with questioned(scene, changes):
+        asked = load_and_examine(scene, changes, examine)
     from ecume.run.selection import names_quantities
 
     if not laws and not names_quantities(asked):
@@ -182,7 +183,7 @@ def check(scene: SceneFile, overrides: Overrides = None, laws: Laws = None, json
     from ecume.simulation import extended
 
     own = laws_from(laws or [])
-    with placed(scene, changes):
+    with questioned(scene, changes), placed(scene, changes):
         model = MODELS[asked.model]
         if own:
             model = extended(model, asked, own)
@@ -198,6 +199,31 @@ def check(scene: SceneFile, overrides: Overrides = None, laws: Laws = None, json
         print_json([dict(zip(CHECK_COLUMNS, row, strict=True)) for row in rows])
         return
     print_table(CHECK_COLUMNS, rows)
+
+
+@contextmanager
+def questioned(file: Path, changes: Sequence[str]) -> Iterator[None]:
+    """A context that adds the implausible values of a scene file to its faults, which they often cause."""
+    try:
+        yield
+    except SceneError as error:
+        known = [fault.path for fault in error.faults]
+        odd = [(key, text) for key, text in questions(file, changes) if not any(path.startswith(key) for path in known)]
+        raise SceneError([*error.faults, *(Fault(key, text) for key, text in odd)], error.source) from None
+
+
+def questions(file: Path, changes: Sequence[str]) -> list[tuple[str, str]]:
+    """The implausible values of a scene file, with changes: key and remark. Empty for a file that cannot be read."""
+    from ecume.scenes.load import parsed, source_of
+    from ecume.scenes.overrides import overridden
+    from ecume.scenes.plausible import remarks
+
+    try:
+        raw = parsed(source_of(file))
+    except BadInput:
+        return []
+    overridden(raw, changes)
+    return [(key, f"got {value}, {text}") for key, value, text in remarks(raw)]
 
 
 def odd_values(file: Path, changes: Sequence[str], scene: Scene) -> list[tuple[str, str, str]]:
@@ -233,7 +259,6 @@ def _require_known(scene: Scene) -> None:
 @contextmanager
 def placed(file: Path, changes: Sequence[str]) -> Iterator[None]:
     """A context that adds the lines of the scene's file to faults that a model finds."""
-    from ecume.errors import SceneError
     from ecume.scenes.load import located
 
     try:

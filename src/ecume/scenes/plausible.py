@@ -8,11 +8,13 @@ from __future__ import annotations
 
 import math
 import re
+import typing
 from collections.abc import Iterator, Mapping
 from typing import Any, NamedTuple
 
 from ecume.scenes.faults import Path, written
 from ecume.scenes.load import name_liquid
+from ecume.scenes.quantities import ByDimension
 from ecume.scenes.schema import SCENES, below, item_unit
 from ecume.units import Unit, same_dimension, with_prefix
 
@@ -45,15 +47,18 @@ GAS = Range("", (0.02, 200.0), (1e-4, 1e3), ("g/cm^3", "g/m^3"), AIR_DENSITY)
 RANGES = (
     Range(r"\w+ .*(surface_tension|interface_tension|largest_fall)", (5e-4, 0.6), (1e-8, 3.0), ("mN/m",), TENSION),
     Range(r"\w+ .*surface_energies\.\w+", (1e-5, 5.0), (1e-8, 20.0), ("mN/m",), TENSION),
+    Range(r"floating liquid\.density", (500.0, 2e4), (50.0, 2.5e4), ("g/cm^3", "g/m^3"), WATER_DENSITY),
     Range(r"\w+ liquid\.density", (500.0, 2e4), (0.05, 2.5e4), ("g/cm^3", "g/m^3"), WATER_DENSITY),
     Range(r"\w+ liquid\.gas_density", (GAS.usual[0], 2000.0), (GAS.possible[0], 2e4), GAS.units, AIR_DENSITY),
     Range(r"\w+ liquid\.gas_viscosity", (3e-6, 1.0), (1e-7, 1e12), ("mPa*s", "uPa*s"), (1.8e-5, "that of air")),
+    Range(r"(floating|soft|sph) (?!second_).*density", (20.0, 2.5e4), (1.0, 2.5e4), ("g/cm^3", "g/m^3"), WATER_DENSITY),
     Range(r"\w+ .*(density|densities)", (20.0, 2.5e4), (0.05, 2.5e4), ("g/cm^3", "g/m^3"), WATER_DENSITY),
     Range(r"tracers liquid\.viscosity", (3e-6, 0.9), (1e-7, 1e12), ("mPa*s", "uPa*s"), (1e-3, "that of water")),
     Range(r"soft liquid\.viscosity", (1e-5, 200.0), (1e-7, 1e12), ("mPa*s", "uPa*s"), (1e-3, "that of water")),
+    Range(r"sph .*largest_viscosity", (1e-3, 1e9), (1e-7, 1e12), ("mPa*s", "kPa*s")),
     Range(r"\w+ .*viscosity", (1e-5, 0.9), (1e-7, 1e12), ("mPa*s", "uPa*s"), (1e-3, "that of water")),
-    Range(r"\w+ liquid\.temperature", (150.0, 3000.0), (1.0, 1e4), ("degC",)),
-    Range(r"\w+ liquid\.sound_speed", (1e-3, 5e3), (1e-6, 2e4), ("cm/s", "mm/s"), (1482.0, "that of water")),
+    Range(r"\w+ (second_)?liquid\.temperature", (150.0, 3000.0), (1.0, 1e4), ("degC",)),
+    Range(r"\w+ (second_)?liquid\.sound_speed", (1e-3, 5e3), (1e-6, 2e4), ("cm/s", "mm/s"), (1482.0, "that of water")),
     Range(r"\w+ gravity", (0.1, 50.0), (1e-6, 1e5), ("cm/s^2", "mm/s^2"), (9.81, "that of the Earth")),
     Range(
         r"\w+ liquid\.atmospheric_pressure", (2e4, 1e7), (1.0, 1e9), ("kPa", "bar", "hPa"), (101325.0, "that of air"),
@@ -64,12 +69,24 @@ RANGES = (
     Range(r"soft .*smallest_separation", (1e-11, 1e-8), (1e-12, 1.0), ("nm",)),
     Range(r"soft .*hamaker_constant", (1e-22, 1e-17), (1e-24, 1e-10), ("zJ",)),
     Range(r"soft .*(strength|critical_load|force)", (1e-15, 1.0), (1e-18, 1e6), ("uN", "mN", "nN")),
-    Range(r"soft .*(pressure|stress|amplitude)", (1e-9, 1e8), (1e-12, 1e11), ("kPa", "Pa")),
+    Range(r"soft .*(pressure|stress)", (1e-9, 1e8), (1e-12, 1e11), ("kPa", "Pa")),
     Range(r"floating (waves|activity)\..*(force|propulsion)", (1e-15, 1e-2), (1e-18, 10.0), ("uN", "mN", "nN")),
     Range(r"floating surfactant\.diffusivity", (1e-13, 0.01), (1e-16, 10.0), ("cm^2/s", "mm^2/s", "um^2/s")),
     Range(r"floating surfactant\.(spacing|.*radius)", (1e-7, 0.1), (1e-9, 10.0), LENGTHS),
     Range(r"floating (surfactant|waves)\..*(position|place)", (1e-9, 1.0), (1e-9, 50.0), LENGTHS),
-    Range(r"floating (particles|rows)\.velocity", (1e-12, 0.9), (1e-12, 100.0), ("mm/s", "cm/s", "um/s")),
+    Range(r"floating .*(velocity|velocities|\bv[xy])", (1e-12, 0.9), (1e-12, 100.0), ("mm/s", "cm/s", "um/s")),
+    Range(r"soft walls\.velocity", (1e-12, 1.0), (1e-12, 100.0), ("mm/s", "um/s")),
+    Range(r"sph .*(velocity|velocities|speed)", (1e-12, 20.0), (1e-12, 3e3), ("cm/s", "mm/s")),
+    Range(r"sph base_excitation\..*", (1e-12, 60.0), (1e-12, 1e5), ("cm/s^2", "mm/s^2"), (9.81, "that of the Earth")),
+    Range(r"floating waves\.frequency", (0.9, 2e4), (1e-3, 1e7), ("kHz",)),
+    Range(r"\w+ .*(frequency|rate|rates)", (1e-12, 1e5), (1e-12, 1e9), ("1/hour", "1/minute")),
+    Range(r"\w+ .*(frequency|rate|spin|rates)", (1e-12, 500.0), (1e-12, 1e6), ("rpm", "deg/s")),
+    Range(r"sph .*mass", (1e-15, 5e4), (1e-18, 1e7), ("g",)),
+    Range(r"tracers .*mean_free_path", (1e-11, 1e-3), (1e-12, 1.0), ("nm", "um")),
+    Range(r"tracers .*(diffusivities|horizontal)", (1e-13, 1e3), (1e-16, 1e7), ("cm^2/s", "mm^2/s")),
+    Range(r"soft .*permeability", (1e-20, 1e-6), (1e-24, 1.0), ("mm^2", "um^2", "nm^2")),
+    Range(r"soft particles\.torque", (1e-24, 1e-3), (1e-27, 1e3), ("uN*m", "nN*m")),
+    Range(r"floating contacts\.stiffness", (1e-9, 1e7), (1e-12, 1e9), ("mN/m",)),
     Range(r"sph gauges\.diameter", (1e-6, 1.0), (1e-9, 100.0), LENGTHS),
     Range(r"floating surfactant\..*release", (1e-15, 1e-3), (1e-21, 1.0), ("ug/s", "mg/s")),
     Range(r"floating surfactant\..*mass", (1e-15, 1e-3), (1e-21, 1.0), ("ug", "mg")),
@@ -77,17 +94,22 @@ RANGES = (
     Range(r"floating magnetic_field\.(constant|amplitude)", (1e-9, 10.0), (1e-12, 100.0), ("mT", "uT")),
     Range(r"floating .*magnetic_moment", (1e-15, 1.0), (1e-20, 1e3), ("mA*m^2", "uA*m^2")),
     Range(r"\w+ .*(roughness|undulation|minimum_gap)", (1e-10, 0.01), (1e-11, 1.0), ("um", "nm", "mm")),
-    Range(r"(floating|tracers|soft) (particles|rows)\.radius", (1e-8, 0.1), (1e-9, 10.0), LENGTHS),
+    Range(r"floating (particles|rows)\.(radius|radii|sizes\.\w+)", (1e-8, 0.1), (1e-9, 0.5), LENGTHS),
+    Range(r"soft particles\.(radius|radii|sizes\.\w+)", (1e-8, 0.1), (1e-9, 10.0), LENGTHS),
+    Range(r"tracers particles\.(radius|radii|sizes\.\w+)", (1e-8, 0.1), (1e-9, 10.0), ("um", "mm", "nm")),
     Range(r"sph passive_tracers\.radius", (1e-8, 0.1), (1e-9, 10.0), LENGTHS),
     Range(r"floating .*\.(thickness|width)", (1e-8, 0.1), (1e-9, 10.0), LENGTHS),
     Range(
-        r"floating (dish|particles|rows)\..*(radius|size|spacing|positions|center|[xy])", (1e-9, 1.0), (1e-9, 50.0),
-        ("cm", "mm", "um"),
+        r"floating (dish|cell|particles|rows)\..*(radius|size|spacing|positions|center|vertices|amplitude|[xy])",
+        (1e-9, 1.0), (1e-9, 50.0), ("cm", "mm", "um"),
     ),
+    Range(r"floating flow\.nodes\..*", (1e-9, 10.0), (1e-9, 1e4), ("cm", "mm", "um")),
     # Fields may be as large as oceans.
     Range(r"tracers .*\.(low|high|center|vertices|positions|heights)", (1e-12, 1e3), (1e-12, 1e8), LENGTHS),
     Range(r"soft (cell|particles|films|walls|permeation)\..*", (1e-12, 1.0), (1e-12, 1e3), LENGTHS),
     Range(r"tracers particles\..*", (1e-12, 10.0), (1e-12, 1e3), LENGTHS),
+    Range(r"sph spacing", (1e-9, 2.0), (1e-9, 100.0), ("mm", "cm", "um")),
+    Range(r"sph .*amplitude", (1e-9, 4.0), (1e-9, 100.0), ("mm", "cm", "um")),
     Range(
         r"(sph|tracers|soft) (tank|fluid|obstacles|bodies|gauges|spacing|cell|openings|walls|passive_tracers)\b.*",
         (1e-9, 30.0), (1e-9, 1e3), ("mm", "cm", "um"),
@@ -128,8 +150,10 @@ def remarks(raw: Mapping[str, Any]) -> list[Remark]:
 
 
 def _below(model: str, value: Any, kind: Any, path: Path, unit: str = "") -> Iterator[Remark]:
-    unit = item_unit(kind) or unit
+    either = _by_dimension(kind)
+    unit = item_unit(kind) or (either.space if either else unit)
     if isinstance(value, Mapping):
+        yield from _shaking(value, kind, path)
         for key, item in value.items():
             if not _is_proportion(value, key):
                 gas = model == "tracers" and path == ("liquid",) and key == "density" and _is_gas(value)
@@ -141,12 +165,36 @@ def _below(model: str, value: Any, kind: Any, path: Path, unit: str = "") -> Ite
         row = GAS if model == "gas" else range_of(model, path, unit)
         message = "" if row is None else _oddity(row, found, unit)
         if message:
-            yield written(path), f"{found.value:.6g} {unit}", message
+            plane = f" ({either.plane} in 2D)" if either else ""
+            yield written(path), f"{found.value:.6g} {unit}{plane}", message
+
+
+def _by_dimension(kind: Any) -> ByDimension | None:
+    """The mark of a number whose unit depends on the dimension of the scene; None for others."""
+    marks = (part if isinstance(part, ByDimension) else _by_dimension(part) for part in typing.get_args(kind))
+    return next((mark for mark in marks if mark is not None), None)
+
+
+VIOLENT = 50.0
+"""Peak acceleration (m/s^2) above which the frequency of a motion is probably that of a minute."""
+
+
+def _shaking(table: Mapping[str, Any], kind: Any, path: Path) -> Iterator[Remark]:
+    """Yield the remark on an oscillation of a wall, a body or a dish that is too violent for a plain frequency."""
+    if item_unit(below(kind, "amplitude")) != "m" or item_unit(below(kind, "frequency")) != "1/s":
+        return
+    amplitude, frequency = _largest(table.get("amplitude"), "m"), _largest(table.get("frequency"), "1/s")
+    if amplitude is None or frequency is None or frequency.stated:
+        return
+    peak = abs(amplitude.value) * (2.0 * math.pi * frequency.value) ** 2
+    if peak > VIOLENT:
+        meant = f"a peak acceleration of {_round(peak / 9.81)} g; plain numbers are in Hz: {frequency.value:g} 1/minute?"
+        yield written((*path, "frequency")), f"{frequency.value:.6g} Hz", meant
 
 
 def _is_proportion(table: Mapping[str, Any], key: str) -> bool:
-    """Whether a length is only relative, since a coverage or volume fraction scales it."""
-    return key == "size" and ("volume_fraction" in table or "coverage" in table)
+    """Whether a length is only relative, since the part that particles cover or fill scales it."""
+    return key == "size" and bool({"volume_fraction", "area_fraction", "coverage"} & set(table))
 
 
 def _is_gas(liquid: Mapping[str, Any]) -> bool:
@@ -170,9 +218,10 @@ def _largest(value: Any, unit: str) -> Given | None:
         found = [one for item in value if (one := _largest(item, unit)) is not None]
         return max(found, key=lambda one: (not one.stated, abs(one.value)), default=None)
     try:
-        return Given(Unit(unit).number(value), isinstance(value, str))
-    except ValueError:  # a name in place of a number, such as a closure's
+        found = Unit(unit).number(value)
+    except (TypeError, ValueError):  # a name in place of a number, such as a closure's, or a fault of the scene
         return None
+    return Given(found, isinstance(value, str)) if math.isfinite(found) else None
 
 
 def _oddity(row: Range, found: Given, unit: str) -> str:

@@ -238,6 +238,23 @@ def test_the_decay_of_waves_is_reported_per_period_and_per_wavelength():
     assert completed == pytest.approx(0.0, abs=1e-12)
 
 
+@pytest.mark.parametrize("frequency", [1e-7, 3.0, 60.0, 6e3])
+def test_a_wall_of_any_frequency_is_reported_upon(frequency):
+    """At 60 Hz nothing is left of a wave after its length: the logarithm of nothing ended `check` with a traceback."""
+    plain = to_plain(wave_tank(0.0))
+    plain["tank"]["left"]["motion"] = {"amplitude": 0.01, "frequency": frequency}
+    rows = [row for row in SPH.summary(from_plain(plain)) if row[0] == "wave damping"]
+    assert len(rows) == 2
+    assert all(0.0 <= float(value.rstrip(" %")) <= 100.0 for _, value, _ in rows)
+
+
+def test_a_maximum_speed_that_walls_exceed_is_remarked_upon():
+    plain = to_plain(wave_tank(0.02))
+    assert said(from_plain(plain))["maximum speed"][1] == ""
+    plain["tank"]["left"]["motion"] = {"amplitude": 0.01, "frequency": 60.0}
+    assert said(from_plain(plain))["maximum speed"][1] == "falls, flows and walls reach 3.77 m/s: increase liquid.maximum_speed"
+
+
 def test_a_finer_spacing_is_a_remedy_only_where_viscosity_is_artificial():
     """It was that of honey, too, and a liquid that yields had the waves of one that does not."""
     assert said(wave_tank(9.0))["wave damping"][0] == "overdamped"

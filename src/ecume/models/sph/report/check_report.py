@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ecume.errors import BadInput
+from ecume.errors import BadInput, SceneError
 from ecume.laws.kernels import KERNELS
 from ecume.laws.states import density_at_enthalpy
 from ecume.laws.viscous import viscosity_of_alpha
@@ -22,7 +22,7 @@ from ecume.models.sph.parameters import Material, Parameters, Projection
 from ecume.models.sph.rates.surface_tension import NODES, TENSIONS
 from ecume.models.sph.report.energy_budget import has_external_work, has_numerical_work
 from ecume.models.sph.report.observation import NUMBER_UNITS
-from ecume.models.sph.setup.building import limiter, limits_of, weight_enthalpy
+from ecume.models.sph.setup.building import fastest_of, limiter, limits_of, weight_enthalpy
 from ecume.models.sph.setup.choices import (
     artificial_viscosity_of,
     contact_angle_of,
@@ -136,11 +136,12 @@ def _waves(scene: SphScene, parameters: Parameters) -> list[Row]:
             return [("wave damping", "overdamped", f"viscosity lets no wave swing{FINER * numerical}")]
         if which.startswith("wavelength"):
             speed = wave_frequency(wavenumber, depth, water.gravity) / wavenumber
-            lost = -math.expm1(math.log1p(-lost) * speed / group_velocity(wavenumber, depth, water.gravity))
+            ratio = speed / group_velocity(wavenumber, depth, water.gravity)
+            lost = -math.expm1(math.log1p(-lost) * ratio) if lost < 1.0 else 1.0
         remark = f"of the height of small waves per {which}, by viscosity and by the method"
         if wavenumber * water.spacing > FITTED:
             remark += ", at most: so short waves were not measured"
-        found.append(("wave damping", f"{100.0 * lost:.2g} %", remark))
+        found.append(("wave damping", f"{float(f'{100.0 * lost:.2g}'):g} %", remark))
     return found
 
 
@@ -395,11 +396,26 @@ def _liquid(scene: SphScene, parameters: Parameters) -> list[Row]:
         (
             "maximum speed",
             with_prefix(material.fastest, "m/s"),
-            "" if scene.liquid.maximum_speed else "estimated; liquid.maximum_speed sets it",
+            _speed_remark(scene, material) if scene.liquid.maximum_speed else "estimated; liquid.maximum_speed sets it",
         ),
         *(sound_rows(scene, material) if parameters.projection is None else solver_rows(parameters)),
         *_second_liquid(scene, parameters),
     ]
+
+
+TOO_SLOW = 2.0
+"""The ratio of the speed of a scene's motion to its `maximum_speed` above which a remark warns."""
+
+
+def _speed_remark(scene: SphScene, material: Material) -> str:
+    """The remark on a maximum speed that falls, flows or walls exceed; empty if none does."""
+    try:
+        expected = fastest_of(scene)
+    except SceneError:  # nothing in the scene sets a speed
+        return ""
+    if expected <= TOO_SLOW * material.fastest:
+        return ""
+    return f"falls, flows and walls reach {with_prefix(expected, 'm/s')}: increase liquid.maximum_speed"
 
 
 def _second_liquid(scene: SphScene, parameters: Parameters) -> list[Row]:
