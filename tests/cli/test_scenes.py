@@ -168,7 +168,9 @@ def test_a_check_reports_the_same_in_plain_python(tmp_path: Path) -> None:
 def test_faults_come_with_the_slips_that_may_cause_them(verb: str) -> None:
     """A remark on the key of a fault would say the same twice."""
     cli.invoke(app, ["new", "settling"])
-    done = cli.invoke(app, [verb, "settling.toml", "--set", "particles[0].radius=20", "--set", "liquid.temperature=1e9"])
+    done = cli.invoke(
+        app, [verb, "settling.toml", "--set", "particles[0].radius=20", "--set", "liquid.temperature=1e9"]
+    )
     *others, last = done.stderr.splitlines()
     assert done.exit_code == 2
     assert any("liquid.temperature: " in line for line in others)

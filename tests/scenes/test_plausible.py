@@ -125,7 +125,8 @@ WRONG_UNITS = {
 
 
 @pytest.mark.parametrize(
-    ("model", "key", "value"), [(model, key, value) for model, keys in WRONG_UNITS.items() for key, value in keys.items()]
+    ("model", "key", "value"),
+    [(model, key, value) for model, keys in WRONG_UNITS.items() for key, value in keys.items()],
 )
 def test_a_written_unit_that_matter_does_not_have_is_asked_about(model, key, value):
     (found,) = remarks(scene(model, key, value))

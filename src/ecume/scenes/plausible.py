@@ -188,7 +188,9 @@ def _shaking(table: Mapping[str, Any], kind: Any, path: Path) -> Iterator[Remark
         return
     peak = abs(amplitude.value) * (2.0 * math.pi * frequency.value) ** 2
     if peak > VIOLENT:
-        meant = f"a peak acceleration of {_round(peak / 9.81)} g; plain numbers are in Hz: {frequency.value:g} 1/minute?"
+        meant = (
+            f"a peak acceleration of {_round(peak / 9.81)} g; plain numbers are in Hz: {frequency.value:g} 1/minute?"
+        )
         yield written((*path, "frequency")), f"{frequency.value:.6g} Hz", meant
 
 

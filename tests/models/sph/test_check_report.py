@@ -252,7 +252,10 @@ def test_a_maximum_speed_that_walls_exceed_is_remarked_upon():
     plain = to_plain(wave_tank(0.02))
     assert said(from_plain(plain))["maximum speed"][1] == ""
     plain["tank"]["left"]["motion"] = {"amplitude": 0.01, "frequency": 60.0}
-    assert said(from_plain(plain))["maximum speed"][1] == "falls, flows and walls reach 3.77 m/s: increase liquid.maximum_speed"
+    assert (
+        said(from_plain(plain))["maximum speed"][1]
+        == "falls, flows and walls reach 3.77 m/s: increase liquid.maximum_speed"
+    )
 
 
 def test_a_finer_spacing_is_a_remedy_only_where_viscosity_is_artificial():
