@@ -50,7 +50,8 @@ MEANT = {
         "particles[0].radii": ["3 mm", "2 mm"], "particles[0].sizes.mean": "3 mm", "walls[0].velocity": "10 mm/s",
         "permeation.permeability": "1 mm^2", "particles[0].torque": "2 uN*m", "films.critical_load": "20 uN",
         "long_range_forces.steric_length": "5 nm", "films.cavitation_pressure": "100 kPa",
-        "particles[0].density": "1.2 g/cm^3", "walls[0].modulus": "10 kPa", "long_range_forces.hamaker_constant": "10 zJ",
+        "particles[0].density": "1.2 g/cm^3", "walls[0].modulus": "10 kPa",
+        "long_range_forces.hamaker_constant": "10 zJ",
     },
     "tracers": {
         "liquid.density": "1.03 g/cm^3", "liquid.viscosity": "2 mPa*s", "particles[0].radius": "5 um",
