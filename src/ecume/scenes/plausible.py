@@ -220,10 +220,10 @@ def _largest(value: Any, unit: str) -> Given | None:
         found = [one for item in value if (one := _largest(item, unit)) is not None]
         return max(found, key=lambda one: (not one.stated, abs(one.value)), default=None)
     try:
-        found = Unit(unit).number(value)
+        size = Unit(unit).number(value)
     except (TypeError, ValueError):  # a name in place of a number, such as a closure's, or a fault of the scene
         return None
-    return Given(found, isinstance(value, str)) if math.isfinite(found) else None
+    return Given(size, isinstance(value, str)) if math.isfinite(size) else None
 
 
 def _oddity(row: Range, found: Given, unit: str) -> str:
