@@ -240,22 +240,22 @@ def test_a_disc_drives_itself_alike_along_all_symmetric_directions():
         assert position == pytest.approx(expected, abs=1e-12)
 
 
-@pytest.mark.compiled
+@pytest.mark.uncompiled  # varying flows and surfactant are compiled by others, each without the other
 def test_surfactant_of_a_flow_that_varies_is_carried_at_its_times(tmp_path, monkeypatch):
     """A uniform flow that starts from rest and grows carries a spot by half its last velocity times the time."""
     times, axis = np.array([0.0, 0.1]), np.array([0.0, 0.06])
     u = np.zeros((2, 2, 2))
     u[1] = 0.05
     np.savez(tmp_path / "flow.npz", t=times, x=axis, y=axis, u=u, v=np.zeros_like(u))
-    drop = "[[surfactant.drops]]\nposition = [0.02, 0.03]\nradius = 2e-3\nmass = 1e-12\n"
+    drop = "[[surfactant.drops]]\nposition = [0.021, 0.0]\nradius = 2e-3\nmass = 1e-12\n"
     monkeypatch.chdir(tmp_path)
     flow = "[flow.field]\nfile = 'flow.npz'\ninterpolation = 'linear'\n"
-    scene = boats([[0.01, 0.01]], release=0.0, drops=drop, around="[dish]\nsize = [0.12, 0.12]\n",
-                  field=FIELD.replace("5e-4", "1e-3"), rest=f"{flow}{ALONE}{STOKES}", duration=0.1)  # fmt: skip
-    parameters, state = advanced(scene, 50)
+    scene = boats([[0.01, 0.0]], release=0.0, drops=drop, around="[dish]\nsize = [0.09, 0.03]\n", step=4e-3,
+                  field=FIELD.replace("5e-4", "1.5e-3"), rest=f"{flow}{ALONE}{STOKES}", duration=0.1)  # fmt: skip
+    parameters, state = advanced(scene, 25)
     x, _ = centers_of(part_of(parameters, Surfactant))
     place = float(state.concentration.sum(axis=1) @ x / state.concentration.sum())
-    assert place - 0.02 == pytest.approx(0.5 * 0.05 * 0.1, rel=1e-3)
+    assert place - 0.021 == pytest.approx(0.5 * 0.05 * 0.1, rel=1e-3)
 
 
 @pytest.mark.parametrize("seed", range(8))

@@ -14,7 +14,10 @@ from ecume.scenes.schema import from_plain
 from ecume.simulation import simulate
 from tests.models.floating.bowls import WATER, bowl, scene_of, two_floats
 
-pytestmark = [pytest.mark.compiled, pytest.mark.long]  # each set of laws compiles a time step of its own
+pytestmark = pytest.mark.long
+COMPILED = pytest.mark.compiled
+"""Tests of two laws that are compiled together: each set of laws compiles a time step of its own."""
+PLAIN = pytest.mark.uncompiled
 
 
 SMALL = 1.1e-6
@@ -46,11 +49,13 @@ def first_kick(model, apart=6e-3):
     return state.velocity[1, 0] * parameters.floats.mass[0] / parameters.time_step
 
 
+@COMPILED
 def test_users_forces_are_added_to_our_own(extended):
     wanted = 3e-17 / 6e-3**4 + 1e-9 / 6e-3
     assert first_kick(extended) - first_kick(MODELS["floating"]) == pytest.approx(wanted, rel=1e-4)
 
 
+@COMPILED
 def test_users_forces_reach_farther_than_menisci(extended):
     assert first_kick(MODELS["floating"], 40e-3) == 0.0
     assert first_kick(extended, 40e-3) == pytest.approx(3e-17 / 40e-3**4 + 1e-9 / 40e-3, rel=1e-4)
@@ -70,6 +75,7 @@ def test_single_precision_refuses_laws(extended):
         extended.parameters(asked)
 
 
+@COMPILED
 def test_laws_that_add_nothing_change_no_bit(extended, monkeypatch):
     laws, scene = [small_magnets, small_falling], bowl(20, duration=0.5)
     plain = list(simulate(scene))[-1].arrays["position"]
@@ -112,6 +118,7 @@ def frames():
     return list(simulate(three_kinds(), extra_laws=[pushing]))
 
 
+@PLAIN
 def test_two_sets_of_laws_in_one_process_are_two(extended, frames):
     """Compiled code is chosen by the name of a type."""
     parameters = [
@@ -122,6 +129,7 @@ def test_two_sets_of_laws_in_one_process_are_two(extended, frames):
     assert one != other
 
 
+@PLAIN
 def test_a_law_acts_between_the_species_that_the_scene_names(frames):
     one, other = frames[0].arrays, frames[1].arrays
     assert (one["velocity"] == 0.0).all()
@@ -133,6 +141,7 @@ def test_a_law_acts_between_the_species_that_the_scene_names(frames):
     np.testing.assert_allclose(momentum[1], 0.02 * push * between / np.hypot(*between), rtol=2e-2)
 
 
+@PLAIN
 def test_the_energy_of_a_law_is_the_integral_of_its_force(frames):
     energy = [frame.numbers["total_energy"] for frame in frames]
     kinetic = [frame.numbers["kinetic_energy"] for frame in frames]
@@ -205,6 +214,7 @@ def test_what_a_scene_names_must_be_there(laws, given, says):
         next(simulate(scene, extra_laws=given))
 
 
+@COMPILED
 @pytest.mark.parametrize(
     ("law", "says"),
     [

@@ -19,6 +19,8 @@ from tests.models.floating.bowls import WATER
 FLOATING = MODELS["floating"]
 BEAD = "radius = 2e-4\ndensity = 1200.0\ncontact_angle = 1.2\n"
 ALONE = '[interaction]\nlaw = "none"\n'
+PLAIN = pytest.mark.uncompiled
+"""Compiled are the flows and integrators that share no code with another: a time step of each takes ten seconds."""
 X, Y = np.linspace(-0.02, 0.02, 5), np.linspace(-0.01, 0.01, 3)
 
 
@@ -75,6 +77,7 @@ def test_velocity_verlet_is_of_second_order_in_a_varying_flow(tmp_path):
     assert wrong[0] / wrong[1] == pytest.approx(4.0, rel=0.05)
 
 
+@pytest.mark.compiled
 def test_drag_by_the_reynolds_number_has_the_flow_of_the_same_time(tmp_path):
     """A float that moves with a uniform flow has no drag, at any time: it keeps up with a slow change."""
     write_flow(tmp_path, "swing", np.linspace(0.0, 2.0, 201), lambda x, y, t: (0.05 * math.sin(t) + 0 * x, 0 * x))
@@ -117,7 +120,7 @@ def test_a_stream_function_has_no_divergence_and_linear_velocities_have(tmp_path
     assert largest[0] < 1e-8 < 0.1 < largest[1]
 
 
-@pytest.mark.parametrize("seed", range(6))
+@pytest.mark.parametrize("seed", [0, pytest.param(1, marks=PLAIN), 2, 3, 4, pytest.param(5, marks=PLAIN)])
 def test_half_a_run_and_half_a_run_are_a_run_in_a_varying_flow(tmp_path, seed):
     """Bit for bit, whatever the integrator: the time at which forces are read follows from the state."""
     rng = np.random.default_rng(seed)
@@ -141,6 +144,7 @@ def test_half_a_run_and_half_a_run_are_a_run_in_a_varying_flow(tmp_path, seed):
     assert np.array_equal(*ends)
 
 
+@PLAIN
 def test_floats_that_move_one_another_drift_with_the_flow_of_the_time(tmp_path):
     write_flow(tmp_path, "turning", [0.0, 1.0], lambda x, y, t: (0.01 * (1 - t) + 0 * x, 0.01 * t + 0 * x))
     body = f"[[particles]]\n{BEAD}positions = [[0.0, 0.0], [5e-3, 0.0]]\n{ALONE}[integration]\n"
