@@ -171,8 +171,13 @@ def scripts_of(package: Path = PACKAGE) -> Path:
 
 @cache
 def _source(path: Path) -> Source:
+    return _source_of(path.read_text(encoding="utf-8"))
+
+
+@cache
+def _source_of(text: str) -> Source:
     found = Reading([], set(), set(), set())
-    _read(ast.parse(path.read_text(encoding="utf-8")), found)
+    _read(ast.parse(text), found)
     texts = found.texts
     late = [text.removesuffix(".py").partition(":")[0] for text in texts if NAMED.match(text) or text.endswith(".py")]
     whole = hashlib.sha256("\n".join(found.said).encode()).hexdigest()

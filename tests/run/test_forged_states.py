@@ -39,10 +39,7 @@ def killed(tmp_path: Path, scene: Scenes) -> RunDirectory:
 
 def forge(home: RunDirectory, name: str, change: Callable[[np.ndarray], np.ndarray]) -> None:
     """Change an array of the checkpoint, and all checksums."""
-    (path,) = checkpoints.newest_first(home)
-    with path.open("rb") as file:
-        arrays = {key: value.copy() for key, value in archives.arrays_of(file, path).items()}
-    del arrays["crc32"]
+    (path,), arrays = checkpoints.newest_first(home), arrays_of(home)
     arrays[name] = np.ascontiguousarray(change(arrays[name]))
     with path.open("w+b") as file:
         np.savez(file, allow_pickle=False, crc32=np.array([checksum(arrays)]), **arrays)
@@ -70,17 +67,21 @@ CHANGES: dict[str, Callable[[np.ndarray], np.ndarray]] = {
 }
 
 
-def names_of(home: RunDirectory) -> list[str]:
+def arrays_of(home: RunDirectory) -> dict[str, np.ndarray]:
     (path,) = checkpoints.newest_first(home)
     with path.open("rb") as file:
-        return sorted(archives.arrays_of(file, path).keys() - {"crc32"})
+        return {name: array.copy() for name, array in archives.arrays_of(file, path).items() if name != "crc32"}
 
 
 def test_no_forged_checkpoint_surprises(killed: RunDirectory, tmp_path: Path) -> None:
     """Each array with each value; what is refused is computed again."""
-    refused = 0
-    for name in names_of(killed):
+    refused, tried = 0, set()
+    for name, array in arrays_of(killed).items():
         for what, change in CHANGES.items():
+            changed = change(array)
+            if (same := (name, changed.dtype.str, changed.shape, changed.tobytes())) in tried:
+                continue  # whole numbers have fewer values
+            tried.add(same)
             shutil.copytree(killed.path, tmp_path / "copy")
             home = RunDirectory(tmp_path / "copy")
             forge(home, name, change)

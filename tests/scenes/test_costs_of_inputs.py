@@ -181,7 +181,11 @@ def refused(text):
 
 READERS = {
     "scene": (400, lambda here, n: positions(n), load_scene),
-    "keys of a scene": (3000, lambda here, n: HEAD + "".join(f"a{k} = {k}\n" for k in range(n)), refused),
+    "keys of a table": (
+        3000,
+        lambda here, n: HEAD + "[liquid]\n" + "".join(f"a{k} = {k}\n" for k in range(n)),
+        refused,
+    ),
     "sweep": (
         1000,
         lambda here, n: text_at(

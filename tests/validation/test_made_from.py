@@ -40,9 +40,9 @@ def package(copied):
 
 
 def forget():
-    """Have all files read again."""
-    for one in vars(made_from).values():
-        if isinstance(one, functools._lru_cache_wrapper):
+    """Have all files read again. What follows from the text of a file alone stays."""
+    for name, one in vars(made_from).items():
+        if isinstance(one, functools._lru_cache_wrapper) and name != "_source_of":
             one.cache_clear()
 
 

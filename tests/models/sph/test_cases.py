@@ -135,7 +135,7 @@ def test_stl_overlapping_shells(tmp_path):
 def test_cad_solids(tmp_path, name):
     """Solids from STL files: the liquid stays out of the ball."""
     pytest.importorskip("trimesh")
-    scene = beside_its_mesh(tmp_path, name)
+    scene = dataclasses.replace(beside_its_mesh(tmp_path, name), spacing=1.0 / 6.0)  # a fifth of the particles
     state = SPH.start(scene, SPH.parameters(scene))
     assert np.linalg.norm(state.position, axis=0).min() > 0.48
     assert state.mass.sum() == pytest.approx(1000.0 * (4.0 - 0.5 * math.pi / 6.0), rel=0.01)
