@@ -26,7 +26,7 @@ from ecume.show.view import save_page
 
 BALLS = """
 model = "tracers"
-duration = "0.6 s"
+duration = "{until} s"
 frame_every = "2 ms"
 seed = 1
 [liquid]
@@ -45,8 +45,8 @@ high = ["78 cm", "43 cm", "43 cm"]
 """
 WATER = ["spacing=9.5 mm", "frame_every=6 ms", sized("duration=1.2 s", "duration=24 ms")]
 """1,953 particles, 201 frames."""
-MANY, END = sized((20_000, 0.5985), (50, 0.006))
-"""Balls, and the time of the last picture (s)."""
+MANY, UNTIL, END = sized((20_000, 0.6, 0.5985), (50, 0.008, 0.006))
+"""Balls, the end of their run, and the time of the last picture (s)."""
 FLAGS = ["--headless", "--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"]
 SECONDS = sized(5.0, 0.2)
 """For which pictures are counted."""
@@ -103,7 +103,7 @@ def drawn(tab: Any) -> int:
 def film() -> None:
     """Seconds a movie takes."""
     with tempfile.TemporaryDirectory() as there:
-        run(ecume.load_scene(BALLS.format(count=MANY)), Path(there) / "run")
+        run(ecume.load_scene(BALLS.format(count=MANY, until=UNTIL)), Path(there) / "run")
         options, cores = MovieOptions(size=(1280, 720), end=END), os.cpu_count() or 1
         movie(Path(there) / "run", Path(there) / "first.mp4", MovieOptions(size=(1280, 720), end=0.01))
         for workers in dict.fromkeys((1, cores)):

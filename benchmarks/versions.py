@@ -129,7 +129,7 @@ def main() -> None:
     parser = parser_of(__doc__)
     parser.add_argument("old", type=Path, nargs="?" if QUICK else None, default=CHECKOUT)
     parser.add_argument("new", type=Path, nargs="?" if QUICK else None, default=CHECKOUT)
-    parser.add_argument("--cases", nargs="+", choices=list(CASES), default=list(CASES))
+    parser.add_argument("--cases", nargs="+", choices=list(CASES), default=sized([*CASES], ["packing"]))
     parser.add_argument("--pairs", type=int, default=sized(11, 1), help="pairs of frames in each pair of processes")
     parser.add_argument("--processes", type=int, default=sized(3, 1), help="pairs of processes")
     asked = parser.parse_args()

@@ -37,7 +37,7 @@ from PIL import Image
 from scipy.special import k1
 from short_runs import shorten_runs
 
-from ecume._quick import QUICK, folder_of, parser_of
+from ecume._quick import QUICK, folder_of, parser_of, sized
 from ecume.analysis.series import number, series, times
 from ecume.laws import capillarity, flotation, immersion, meniscus
 from ecume.laws.special import fit_k1, k1_over_x
@@ -52,7 +52,7 @@ TEMPLATES = Path(__file__).parents[1] / "src" / "ecume" / "templates"
 WATER = flotation.Liquid(density=998.0, surface_tension=0.0728, viscosity=1e-3)
 THEORIES = {"linear": PALETTE[0], "closed-form": PALETTE[2], "nonlinear": PALETTE[1]}
 RIGHT = 0.5 * math.pi
-DPI = 120
+DPI = sized(120, 30)
 """Sharp enough on a page, and small files: pictures stay in a repository for ever."""
 
 

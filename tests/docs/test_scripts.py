@@ -1,13 +1,17 @@
 """Every script runs in its small size: benchmarks, beside what packages there are, figures, clips, studies."""
 
+import importlib
+import os
 import re
 import subprocess
 import sys
-from pathlib import Path
 
 import pytest
+from tests.docs.forked_scripts import ROOT, Scripts
 
-ROOT = Path(__file__).parents[2]
+from ecume.scenes.load import load_scene
+from ecume.scenes.templates import folder
+
 MAIN = 'if __name__ == "__main__":'
 PARTS = 4
 """Processes that draw the figures."""
@@ -29,6 +33,9 @@ SHELL = {
 """What a script is called with; None where it cannot be called here."""
 
 
+forks = pytest.mark.skipif(not hasattr(os, "fork"), reason="Windows forks no processes")
+
+
 def is_script(path):
     return MAIN in path.read_text(encoding="utf-8")
 
@@ -42,16 +49,28 @@ import sys
 sys.argv = ["figures.py", "--quick"]
 sys.path.insert(0, "docs")
 import figures
-figures.main(list(figures.FIGURES)[{part}::{parts}])
+names = list(figures.FIGURES)
+figures.main(names[len(names) * {part} // {parts} : len(names) * ({part} + 1) // {parts}])
 """
+"""Neighbors, which compile the same, by one process."""
 
 
-def ended_well(*words):
-    done = subprocess.run(
-        words, cwd=ROOT, capture_output=True, text=True, timeout=280, stdin=subprocess.DEVNULL, check=False
-    )
+@pytest.fixture(scope="module")
+def scripts(tmp_path_factory):
+    """Runs scripts."""
+    started = Scripts(tmp_path_factory.mktemp("scripts"))
+    yield started
+    started.close()
+
+
+def ended_well(done):
     assert done.returncode == 0, f"{done.stdout[-2000:]}\n{done.stderr[-4000:]}"
-    return done.stdout
+
+
+def in_a_shell(*words):
+    ended_well(subprocess.run(
+        ["sh", *words], cwd=ROOT, capture_output=True, text=True, timeout=280, stdin=subprocess.DEVNULL, check=False
+    ))  # fmt: skip
 
 
 def test_what_is_no_script_is_part_of_one():
@@ -67,7 +86,7 @@ def test_what_is_no_script_is_part_of_one():
 def test_every_shell_script_is_known_and_can_be_read():
     assert {path.name for path in (ROOT / "scripts").iterdir()} == set(SHELL)
     for name in SHELL:
-        ended_well("sh", "-n", f"scripts/{name}")
+        in_a_shell("-n", f"scripts/{name}")
     for name in ("docs", "test", "wheels"):
         assert f"scripts/{name}" in (ROOT / ".ci" / "run").read_text(encoding="utf-8")
 
@@ -76,7 +95,7 @@ def test_every_shell_script_is_known_and_can_be_read():
 def test_a_shell_script_runs(name):
     if "environment.sh" in (ROOT / "scripts" / name).read_text(encoding="utf-8") and not (ROOT / ".venv").is_dir():
         pytest.skip("scripts/test has made no environment here")
-    ended_well("sh", f"scripts/{name}", *SHELL[name].split())
+    in_a_shell(f"scripts/{name}", *SHELL[name].split())
 
 
 @pytest.mark.parametrize("name", sorted(SCRIPTS))
@@ -84,27 +103,44 @@ def test_a_script_has_a_small_size(name):
     assert "parser_of(__doc__)" in (ROOT / name).read_text(encoding="utf-8")
 
 
+@forks
 @pytest.mark.long
 @pytest.mark.compiled
 @pytest.mark.parametrize("name", sorted(SCRIPTS))
-def test_a_script_runs(name):
-    ended_well(sys.executable, name, "--quick", *SOME.get(name, []))
+def test_a_script_runs(scripts, name):
+    ended_well(scripts.run(name, "--quick", *SOME.get(name, [])))
 
 
+@forks
 @pytest.mark.long
 @pytest.mark.compiled
 @pytest.mark.parametrize("part", range(PARTS))
-def test_figures_are_drawn(part):
-    ended_well(sys.executable, "-c", DRAWN.format(part=part, parts=PARTS))
+def test_figures_are_drawn(scripts, part):
+    ended_well(scripts.run("-c", DRAWN.format(part=part, parts=PARTS)))
 
 
-@pytest.mark.long
-@pytest.mark.compiled
-def test_a_peer_that_fails_is_an_error(tmp_path):
+@pytest.fixture
+def benchmark(monkeypatch):
+    """Imports a script of the benchmarks."""
+    monkeypatch.syspath_prepend(ROOT / "benchmarks")
+    return importlib.import_module
+
+
+def test_a_peer_that_fails_is_an_error(benchmark, tmp_path, monkeypatch, capsys):
     broken = tmp_path / "lammps" / "bin" / "python"
     broken.parent.mkdir(parents=True)
     broken.write_text("#!/bin/sh\nexit 3\n")
     broken.chmod(0o755)
-    words = [sys.executable, "benchmarks/sph_peers.py", "--quick", str(tmp_path)]
-    done = subprocess.run(words, cwd=ROOT, capture_output=True, text=True, timeout=280, check=False)
-    assert done.returncode == 1
+    peers = benchmark("sph_peers")
+    monkeypatch.setattr(peers, "PEERS", [peer._replace(ranks=False) for peer in peers.PEERS if peer.name[0] == "L"])
+    monkeypatch.setattr(peers, "require_same_equations", lambda: None)
+    monkeypatch.setattr(peers, "peak_of_a_core", lambda: {"float64": 1e9})
+    monkeypatch.setattr(sys, "argv", ["sph_peers.py", str(tmp_path), "--edge", "4", "--steps", "5", "--rounds", "1"])
+    assert peers.main() == 1
+    assert "ended with 3" in capsys.readouterr().out
+
+
+def test_the_scenes_of_versions_can_be_read(benchmark):
+    """Only one of them is run here."""
+    for template, changes in benchmark("versions").CASES.values():
+        assert load_scene(folder() / f"{template}.toml", changes).model

@@ -182,7 +182,7 @@ def refused(text):
 READERS = {
     "scene": (400, lambda here, n: positions(n), load_scene),
     "keys of a table": (
-        3000,
+        2000,
         lambda here, n: HEAD + "[liquid]\n" + "".join(f"a{k} = {k}\n" for k in range(n)),
         refused,
     ),

@@ -126,7 +126,9 @@ def test_a_channel_has_the_profile_of_its_liquid(liquid, mirror, dummy, walls):
     and 2.4 instead of 5.3 % between walls of particles, whose viscosity is a mean over the liquid before them.
     """
     close = mirror if walls == "mirror" else dummy
-    *_, last = simulate(channel(walls, *liquid))
+    # The largest viscosity limits the step: no more of it than the liquid has anywhere.
+    largest = 2.0 if liquid == (1.0, 1.0, 0.0) else 20.0
+    *_, last = simulate(channel(walls, *liquid, **{"liquid.rheology.largest_viscosity": largest}))
     y, speed = last.arrays["position"][:, 1] - 0.01, last.arrays["velocity"][:, 0]
     exact = np.array([channel_speed(each, 0.01, 1000.0, *liquid) for each in y])
     assert np.sqrt(np.mean((speed - exact) ** 2)) < close * np.sqrt(np.mean(exact**2))
