@@ -163,3 +163,58 @@ def test_xyz_periodic(tmp_path):
     x = [float(row.split()[column]) for row in rows[:2]]
     apart = x[1] - x[0]
     assert abs(apart - 0.1 * round(apart / 0.1)) == pytest.approx(2.1e-3, rel=1e-3)
+
+
+TRACERS = """model = "tracers"
+duration = "0.2 s"
+frame_every = "0.1 s"
+seed = 3
+[liquid]
+viscosity = "1 mPa*s"
+[[particles]]
+count = 7
+radius = "1 mm"
+density = 1000.0
+[tank]
+low = {low}
+high = {high}
+periodic = ["x"]
+[flow]
+velocity = [0.7, 0.0]
+"""
+TANK = """model = "sph"
+duration = "2 ms"
+frame_every = "1 ms"
+spacing = 0.1
+[tank]
+low = {low}
+high = {high}
+left.kind = "periodic"
+right.kind = "periodic"
+[[fluid]]
+low = {low}
+high = {full}
+velocity = [2.0, 0.0]
+"""
+
+
+@pytest.mark.parametrize("low", [(0.0, 0.0), (1.5, -2.0), (-0.25, 0.75)])
+@pytest.mark.parametrize("text", [TRACERS, TANK])
+def test_xyz_of_a_tank_has_the_box_of_its_particles(text, low, tmp_path):
+    """Sibling of `xyz_periodic`: with its origin a box contains all particles, in each frame at the same place."""
+    high, full = [low[0] + 0.8, low[1] + 0.6], [low[0] + 0.8, low[1] + 0.3]
+    (tmp_path / "scene.toml").write_text(text.format(low=list(low), high=high, full=full))
+    simulated(load_scene(tmp_path / "scene.toml"), tmp_path / "run")
+    lines = export(tmp_path / "run", "xyz", tmp_path / "run.xyz").read_text().splitlines()
+    with open_trajectory(tmp_path / "run") as frames:
+        for number, frame in enumerate(frames):
+            comment = lines[1 + number * (len(frame.arrays["position"]) + 2)]
+            lattice = np.array(comment.split('Lattice="')[1].split('"')[0].split(), float).reshape(3, 3)
+            origin = np.zeros(3)
+            if 'Origin="' in comment:
+                origin = np.array(comment.split('Origin="')[1].split('"')[0].split(), float)
+            assert origin[0] == low[0]
+            assert lattice[0, 0] == pytest.approx(0.8)
+            share = (frame.arrays["position"] - origin[:2]) / np.diag(lattice)[:2]
+            assert share.min() >= -1e-12
+            assert share.max() <= 1.0 + 1e-12

@@ -336,9 +336,7 @@ def write_xyz(trajectory: ExportedFrames, file: BinaryIO) -> None:
     for frame in trajectory:
         properties, columns = _xyz_columns(frame)
         numbers = "".join(f"{name}={value!r} " for name, value in frame.numbers.items())
-        comment = (
-            f"{_xyz_box(frame)}Properties={properties} Time={frame.time!r} {numbers}{legend}{_xyz_periodic(frame)}"
-        )
+        comment = f"{_xyz_box(frame, trajectory.corner)}Properties={properties} Time={frame.time!r} {numbers}{legend}{_xyz_periodic(frame)}"
         head = f"{len(frame.arrays['position'])}\n{comment}\n"
         rows = "".join(" ".join(map(_plain, row)) + "\n" for row in zip(*columns, strict=True))
         file.write((head + rows).encode())
@@ -417,18 +415,25 @@ def _xyz_periodic(frame: Frame) -> str:
     return f'pbc="{" ".join("T" if side > 0.0 else "F" for side in _xyz_sides(frame))}"'
 
 
-def _xyz_box(frame: Frame) -> str:
-    """The lattice vectors of a periodic box, empty without one. Along other axes the box contains all particles."""
+def _xyz_box(frame: Frame, corner: Sequence[float]) -> str:
+    """The lattice vectors of a periodic box, which begins at `corner`, and its origin unless that is zero; empty without
+    a box. Along other axes the box contains all particles.
+    """
     sides = _xyz_sides(frame)
     if not any(sides):
         return ""
     position = frame.arrays["position"]
-    widest = 2.0 * float(frame.arrays["radius"].max(initial=0.0)) if "radius" in frame.arrays else 0.0
-    span = np.zeros(3)
-    span[: position.shape[1]] = np.ptp(position, axis=0) if len(position) else 0.0
-    lengths = [side or float(far) + widest or max(sides) for side, far in zip(sides, span, strict=True)]
+    radius = float(frame.arrays["radius"].max(initial=0.0)) if "radius" in frame.arrays else 0.0
+    low, span = np.zeros(3), np.zeros(3)
+    low[: len(corner)] = corner
+    if len(position):
+        own = [axis for axis in range(position.shape[1]) if not sides[axis]]
+        low[own] = position[:, own].min(axis=0) - radius
+        span[own] = np.ptp(position[:, own], axis=0) + 2.0 * radius
+    lengths = [side or float(far) or max(sides) for side, far in zip(sides, span, strict=True)]
     tilt = frame.numbers.get("box_tilt", 0.0)
-    return f'Lattice="{lengths[0]!r} 0 0 {tilt or 0!r} {lengths[1]!r} 0 0 0 {lengths[2]!r}" '
+    lattice = f'Lattice="{lengths[0]!r} 0 0 {tilt or 0!r} {lengths[1]!r} 0 0 0 {lengths[2]!r}" '
+    return lattice + (f'Origin="{" ".join(map(repr, low.tolist()))}" ' if low.any() else "")
 
 
 def _legend(species: Sequence[str]) -> str:

@@ -260,7 +260,10 @@ class ExportedFrames:
     def __init__(self, trajectory: Trajectory) -> None:
         self._trajectory = trajectory
         described = (trajectory.directory / "resolved.json").exists()  # a folder of frames may have no scene
-        self._completed: Callable[[Frame], Frame] = derived_arrays(trajectory.scene) if described else _as_it_is
+        scene = trajectory.scene if described else None
+        self._completed: Callable[[Frame], Frame] = derived_arrays(scene) if described else _as_it_is
+        self.corner: tuple[float, ...] = tuple(getattr(getattr(scene, "tank", None), "low", None) or ())
+        """The lowest corner of a tank (m); empty for other models, whose periodic boxes begin at zero."""
 
     @property
     def times(self) -> NDArray[np.float64]:
