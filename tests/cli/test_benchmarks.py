@@ -56,6 +56,34 @@ def test_a_benchmark_says_what_it_measured_and_can_be_kept(scripts):
     assert entry["good"]["date"] > "2026"
 
 
+@pytest.mark.parametrize("verb", ["bench", "validate"])
+@pytest.mark.parametrize(
+    ("content", "name", "said"),
+    [
+        ("", "kept.json", "damaged: "),
+        ("[1]", "kept.json", "expected a table"),
+        ('{"another": {"da', "kept.json", "damaged: "),
+        ("{}", "missing/kept.json", "No such file or directory"),
+        ("{}", ".", "is a folder"),
+        ("{}", "kept.json/kept.json", "Not a directory"),
+    ],
+)
+def test_a_record_that_cannot_be_kept_is_refused_before_anything_is_computed(
+    scripts, verb, content, name, said, monkeypatch
+):
+    computed = []
+    case = Case("good", "about it", False, lambda: computed.append(1), "ecume_validation.kernels")
+    monkeypatch.setattr("ecume_validation.CASES", {"good": case})
+    (scripts / "kept.json").write_text(content)
+    done = cli.invoke(app, [verb, "good", "--record", str(scripts / name)])
+    assert done.exit_code == 4, done.output
+    assert said in done.stderr
+    assert len(done.stderr.splitlines()) == 1
+    assert not computed
+    assert "==" not in done.stdout
+    assert (scripts / "kept.json").read_text() == content
+
+
 def test_a_peer_that_is_not_installed_is_skipped_and_named(scripts):
     done = cli.invoke(app, ["bench", "lonely", "good", "--record", str(scripts / "kept.json")])
     assert done.exit_code == 0

@@ -272,3 +272,17 @@ def test_angles_are_printed_in_degrees():
     assert (name, unit) == ("contact_angle", "deg")
     assert float(value) == pytest.approx(90.0)
     assert float(interval.split()[0]) == pytest.approx(math.degrees(1.5), rel=1e-3)
+
+
+@pytest.mark.parametrize("out", ["taken", "taken/fits"])
+def test_results_that_cannot_be_kept_are_refused_before_the_fit(out, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr("ecume.fitting.fit", lambda *_, **__: pytest.fail("computed"))
+    (tmp_path / "beads.toml").write_text(BEADS.format(viscosity=5.0, angle=100.0))
+    written(tmp_path, "x,y,t,id\n0,0,0,1\n1,0,0.1,1\n2,0,0.2,1\n3,0,0.3,1\n")
+    (tmp_path / "taken").write_text("mine")
+    words = ["fit", "tracks.csv", "--scene", "beads.toml", "--free", "viscosity", "--pixel", "20 um", "-o", out]
+    done = CliRunner().invoke(app, words)
+    assert done.exit_code == 4, done.output
+    assert "Not a directory" in done.stderr
+    assert (tmp_path / "taken").read_text() == "mine"

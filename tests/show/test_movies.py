@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from ecume.errors import BadInput
+from ecume.errors import BadInput, StorageError
 from ecume.show import movies
 from ecume.show.movies import MovieOptions, film, movie, picture_of
 from ecume.show.picture import Eye
@@ -81,3 +81,23 @@ def test_a_model_without_pictures_of_its_own_shows_its_particles(frames, tmp_pat
 def test_a_run_without_frames_is_refused(scene, tmp_path):
     with pytest.raises(BadInput, match="no frames yet"):
         film([], scene, tmp_path / "film.gif")
+
+
+def test_numbered_pictures_appear_when_all_are_whole(tmp_path):
+    """A series that fails leaves the former one, and nothing else."""
+    picture = np.zeros((4, 4, 3), np.uint8)
+    movies.encode([picture] * 3, tmp_path / "film.png", 30)
+    before = {path.name: path.read_bytes() for path in tmp_path.iterdir()}
+    assert set(before) == {f"film-000{number}.png" for number in range(3)}
+    (tmp_path / "film-0003.png").mkdir()
+    with pytest.raises(StorageError, match=r"film-0003.png: is a folder"):
+        movies.encode([picture + 200] * 4, tmp_path / "film.png", 30)
+    (tmp_path / "film-0003.png").rmdir()
+
+    def interrupted():
+        yield picture + 100
+        raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        movies.encode(interrupted(), tmp_path / "film.png", 30)
+    assert {path.name: path.read_bytes() for path in tmp_path.iterdir()} == before

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import errno
 import json
 import os
 import resource
@@ -225,3 +226,37 @@ def test_xyz_states_the_periodic_box(frames: Frames, tmp_path: Path) -> None:
     head = export(tmp_path, "xyz", tmp_path / "bowl.xyz").read_text().splitlines()[1]
     assert head.startswith('Lattice="0.1 0 0 0.02 0.08 0 0 0 ')
     assert head.endswith(' pbc="T T F"')
+
+
+@pytest.mark.parametrize("kind", [*(kind for kind in EXPORTS if kind != "samples"), "pvd"])
+@pytest.mark.parametrize("stem", ["n" * 250, "ü" * 125, "-a %s b'\"$"])
+def test_a_name_may_be_as_long_and_odd_as_the_system_allows(
+    kind: str, stem: str, recorded: Recorded, tmp_path: Path
+) -> None:
+    out = tmp_path / "out" / f"{stem}.{kind[:3]}"
+    export(recorded(2).parent, kind, out)
+    assert out.stat().st_size > 100
+    assert {path.name for path in out.parent.iterdir()} == {out.name, *([stem] if kind == "pvd" else [])}
+
+
+def test_a_list_of_frames_and_its_folder_are_replaced_together(
+    recorded: Recorded, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Neither is changed where the list cannot be written."""
+    run, listed = recorded(2).parent, tmp_path / "out" / "bowl.pvd"
+    export(run, "pvd", listed)
+    for path in listed.parent.rglob("*.vtp"):
+        path.write_text("former")
+    before = {path: path.read_bytes() for path in listed.parent.rglob("*") if path.is_file()}
+
+    def full(*_: object) -> str:
+        raise OSError(errno.ENOSPC, "No space left on device")
+
+    monkeypatch.setattr("ecume.trajectories.exports._listing", full)
+    with pytest.raises(StorageError, match="no room left"):
+        export(run, "pvd", listed)
+    assert {path: path.read_bytes() for path in listed.parent.rglob("*") if path.is_file()} == before
+    (tmp_path / "in the way.pvd").mkdir()
+    with pytest.raises(StorageError, match="is a folder; expected a file"):
+        export(run, "pvd", tmp_path / "in the way.pvd")
+    assert not (tmp_path / "in the way").exists()

@@ -15,7 +15,7 @@ import typer
 
 from ecume.cli.endings import say
 from ecume.cli.options import argument, option
-from ecume.cli.output import Json, Record, echo, keep, print_json, print_table, wrote
+from ecume.cli.output import Json, Record, echo, keep, print_json, print_table, require_record, wrote
 from ecume.cli.plots import PictureFormat, require_picture
 from ecume.cli.progress import lasting
 from ecume.errors import BESIDE, BadInput, EcumeError, beside_ecume, install
@@ -128,6 +128,7 @@ def validate(
         )
         return
     asked = [case for case in _chosen(names or [], cases, "case", everything=everything) if not (quick and case.long)]
+    require_record(record)
     results = [_compared(case, record, shown=not json) for case in asked]
     if json:
         print_json(results)
@@ -277,7 +278,9 @@ def bench(
             [(one.name, one.summary, "takes minutes" if one.long else "") for one in BENCHES.values()],
         )
         return
-    results = [_run(one, peers, record) for one in _chosen(names or [], BENCHES, "benchmark", everything=everything)]
+    chosen = _chosen(names or [], BENCHES, "benchmark", everything=everything)
+    require_record(record)
+    results = [_run(one, peers, record) for one in chosen]
     if not all(results):
         raise typer.Exit(1)
 

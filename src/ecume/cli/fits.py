@@ -10,7 +10,7 @@ import typer
 
 from ecume.cli.endings import say
 from ecume.cli.options import argument, option
-from ecume.cli.output import echo, print_table
+from ecume.cli.output import echo, print_table, require_writable
 from ecume.cli.runs import Quiet
 from ecume.cli.scenes import Laws
 from ecume.errors import BadInput
@@ -111,6 +111,7 @@ def track(
     there = out or Path(f"{film.stem}.csv")
     if there.exists() and not force:
         raise BadInput(f"{there}: exists already; choose another name with -o, or replace it with --force")
+    require_writable(there, there.parent)
     found = film_tracks(film, Search(_pixels(diameter), count, dark, box), rate)
     write_whole(there, table_of_tracks(found))
     if not quiet:
@@ -164,8 +165,10 @@ def fit(
     if only is not None:
         measured = picked(measured, _words(only))
     own, latest = laws_from(laws or []), math.inf if until is None else until
-    found = fitted(measured, scene, _words(free), start=start, until=latest, extra_laws=own)
     directory = out or FITS / tracks[0].stem
+    result = directory.absolute() / "fit.json"
+    require_writable(result, next(folder for folder in result.parents if folder.exists()))
+    found = fitted(measured, scene, _words(free), start=start, until=latest, extra_laws=own)
     keep(found, directory)
     if film is not None and camera.pixel is not None:
         from ecume.show.overlay import Scale, overlay

@@ -66,16 +66,40 @@ def print_table(columns: Sequence[str], rows: Iterable[Sequence[str | Text]], *,
 Record = Annotated[Path | None, option("--record", metavar="FILE", help="Also write the result to this JSON file.")]
 
 
+def require_record(path: Path | None) -> None:
+    """Raise StorageError before anything is computed for a record that cannot be read, or not be written there."""
+    from ecume.trajectories.records import json_of
+
+    if path is not None:
+        require_writable(path, path.parent)
+        if path.exists():
+            json_of(path)
+
+
+def require_writable(path: Path, folder: Path) -> None:
+    """Raise StorageError before anything is computed for a file that could not be written: in this folder, in which the
+    others on its path will be made.
+    """
+    import tempfile  # not needed by `ecume --help`
+
+    from ecume.trajectories.records import replaceable, storing
+
+    with storing(path):
+        replaceable(path)
+        with tempfile.TemporaryFile(dir=folder):
+            pass
+
+
 def keep(path: Path, name: str, entry: dict[str, Any]) -> None:
     """Write an entry to a record file, replacing the former entry with this name."""
     from ecume.run.manifest import circumstances
     from ecume.trajectories.records import json_of, write_json
 
-    known = json_of(path) if path.exists() else {}
     machine = {key: circumstances()[key] for key in ("ecume", "processor")}
     if hasattr(os, "getloadavg"):
         machine["load"] = round(os.getloadavg()[0], 1)
     machine |= commit()
+    known = json_of(path) if path.exists() else {}  # read last: another process may record beside this one
     known[name] = {"date": datetime.datetime.now(datetime.UTC).date().isoformat(), **machine, **entry}
     write_json(path, dict(sorted(known.items())))
 

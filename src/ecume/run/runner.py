@@ -187,13 +187,12 @@ def resume(
         require_flow_file(home, scene)
         constants.require_sound_constants(home)
         checkpoint = _checkpoint(home, scene)
-        with storing(home.failed):
-            home.failed.unlink(missing_ok=True)
         restore = functools.partial(_constants, home, strict=options.strict)
         moments = _moments(scene, checkpoint, code, options, restore)
         first = next(moments)
         if first.frame is not None:
             require_numbers(options.numbers, first.frame)
+        _reopen(home)
         return _drive(_Session(home, scene, options, checkpoint, code), itertools.chain([first], moments), request)
 
 
@@ -212,9 +211,14 @@ def _completed(home: RunDirectory) -> RunResult | None:
     warnings.warn(f"{home.path}: {', '.join(damaged)}: damaged after the run was done; computed again", stacklevel=1)
     if home.samples.name in damaged and home.samples.exists():  # not in checkpoints of earlier versions
         checkpoints.set_aside(home, home.samples)
-    with storing(home.done):
-        home.done.unlink()
     return None
+
+
+def _reopen(home: RunDirectory) -> None:
+    """Remove the markers of a run that ended. They contain its digests, and are kept until nothing refuses it."""
+    for marker in (home.done, home.failed):
+        with storing(marker):
+            marker.unlink(missing_ok=True)
 
 
 def _moments(

@@ -71,8 +71,7 @@ def encode(pictures: Iterable[Pixels], out: Path, fps: int) -> Path:
     """
     out = writable(out)
     if out.suffix.lower() == PICTURES:
-        written = [_still(picture, out, number) for number, picture in enumerate(pictures)]
-        return written[0]
+        return _stills(pictures, out)[0]
     there = replaceable(out)
     partial = partial_of(there)
     try:
@@ -89,21 +88,27 @@ def encode(pictures: Iterable[Pixels], out: Path, fps: int) -> Path:
     return out
 
 
-def _still(picture: Pixels, out: Path, number: int) -> Path:
-    """Each picture as a separate file: `name-0000.png`, and so on."""
+def _stills(pictures: Iterable[Pixels], out: Path) -> list[Path]:
+    """Write each picture as a file, `name-0000.png` and so on; they appear under these names when all are whole."""
     from PIL import Image
 
-    there = out.with_name(f"{out.stem}-{number:04d}{out.suffix}")
-    partial = partial_of(there)
+    partial: dict[Path, Path] = {}
+    there = out
     try:
-        there.parent.mkdir(parents=True, exist_ok=True)
-        Image.fromarray(picture[:, :, :3].copy()).save(partial, format="png")
-        partial.replace(there)
+        for number, picture in enumerate(pictures):
+            there = replaceable(out.with_name(f"{out.stem}-{number:04d}{out.suffix}"))
+            there.parent.mkdir(parents=True, exist_ok=True)
+            partial[there] = partial_of(there)
+            Image.fromarray(picture[:, :, :3].copy()).save(partial[there], format="png")
+        for there, complete in partial.items():
+            complete.replace(there)
     except OSError as error:
-        with contextlib.suppress(OSError):
-            partial.unlink()
         raise StorageError(f"{there}: cannot be written ({error.strerror or error})") from error
-    return there
+    finally:
+        for each in partial.values():
+            with contextlib.suppress(OSError):
+                each.unlink(missing_ok=True)
+    return list(partial)
 
 
 def _video(pictures: Iterator[Pixels], out: Path, fps: int) -> None:

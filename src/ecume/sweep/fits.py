@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import itertools
 import math
 from collections.abc import Iterator, Sequence
@@ -16,6 +17,7 @@ from ecume.analysis.rheology import CurveFit, power_fit
 from ecume.analysis.series import Mean
 from ecume.errors import BadInput
 from ecume.show.style import PALETTE
+from ecume.trajectories.records import write_whole
 from ecume.trajectories.tables import write_rows
 from ecume.units import Array
 
@@ -129,10 +131,11 @@ def largest_difference(first: Points, second: Points) -> Difference:
 
 def write_fits(file: Path, curves: Sequence[Points]) -> None:
     """Write the table of all curves as CSV."""
-    with file.open("w", encoding="utf-8", newline="") as target:
-        write_rows(target, [COLUMNS])
-        for points in curves:
-            write_rows(
-                target,
-                ([f"{entry:.9g}" if isinstance(entry, float) else entry for entry in row] for row in rows_of(points)),
-            )
+    text = io.StringIO()
+    write_rows(text, [COLUMNS])
+    for points in curves:
+        write_rows(
+            text,
+            ([f"{entry:.9g}" if isinstance(entry, float) else entry for entry in row] for row in rows_of(points)),
+        )
+    write_whole(file, text.getvalue())

@@ -193,12 +193,13 @@ def write_series(path: Path, ending: str, times: Sequence[float], files: Iterabl
     """Write a list of files to `path`, and the files to a folder with the same name."""
     folder = path.with_suffix("") if path.suffix else path.with_name(f"{path.name}-frames")
     names = [f"{number:04d}{ending}" for number in range(len(times))]
-    with _replacing_folder(folder, ending) as part:
-        for name, text in zip(names, files, strict=True):
-            with storing(part), (part / name).open("wb") as file:
-                file.write(text.encode())
-    with replacing(path) as listed:
+    with replacing(path) as listed:  # its room is found before the folder is replaced
         listed.write(_listing(times, [f"{folder.name}/{name}" for name in names]).encode())
+        listed.flush()
+        with _replacing_folder(folder, ending) as part:
+            for name, text in zip(names, files, strict=True):
+                with storing(part), (part / name).open("wb") as file:
+                    file.write(text.encode())
 
 
 def vtp_of(frame: Frame) -> str:
@@ -336,7 +337,8 @@ def write_xyz(trajectory: ExportedFrames, file: BinaryIO) -> None:
     for frame in trajectory:
         properties, columns = _xyz_columns(frame)
         numbers = "".join(f"{name}={value!r} " for name, value in frame.numbers.items())
-        comment = f"{_xyz_box(frame, trajectory.corner)}Properties={properties} Time={frame.time!r} {numbers}{legend}{_xyz_periodic(frame)}"
+        box, periodic = _xyz_box(frame, trajectory.corner), _xyz_periodic(frame)
+        comment = f"{box}Properties={properties} Time={frame.time!r} {numbers}{legend}{periodic}"
         head = f"{len(frame.arrays['position'])}\n{comment}\n"
         rows = "".join(" ".join(map(_plain, row)) + "\n" for row in zip(*columns, strict=True))
         file.write((head + rows).encode())
@@ -416,8 +418,8 @@ def _xyz_periodic(frame: Frame) -> str:
 
 
 def _xyz_box(frame: Frame, corner: Sequence[float]) -> str:
-    """The lattice vectors of a periodic box, which begins at `corner`, and its origin unless that is zero; empty without
-    a box. Along other axes the box contains all particles.
+    """The lattice vectors of a periodic box, which begins at `corner`, and its origin unless that is zero; empty if no
+    axis is periodic. Along other axes the box contains all particles.
     """
     sides = _xyz_sides(frame)
     if not any(sides):

@@ -31,6 +31,8 @@ ABANDONED = 600.0
 """Seconds after which a partial file that is not written any more is removed, if its process does not exist: another
 machine may write it.
 """
+MOST_STEM_BYTES = 180
+"""Bytes of the name of a file that the name of its partial file repeats."""
 FULL = {errno.ENOSPC, errno.EFBIG, getattr(errno, "EDQUOT", errno.ENOSPC)}
 """The error codes for a lack of space: of the disk, the largest allowed file, the user's quota."""
 
@@ -53,23 +55,32 @@ def _explanation(error: OSError, path: Path) -> str:
 
 
 def replaceable(path: Path) -> Path:
-    """The plain file to which `path` refers, with links followed. Raises StorageError for a device or a pipe: replacing
-    `/dev/stdout` by a file would damage the system.
+    """The plain file to which `path` refers, with links followed. Raises StorageError for a folder, and for a device or
+    a pipe: replacing `/dev/stdout` by a file would damage the system.
     """
     there = Path(os.path.realpath(path))
-    if there.exists() and not there.is_file() and not there.is_dir():
+    if there.is_dir():
+        raise StorageError(f"{path}: is a folder; expected a file, or a name that is free")
+    if there.exists() and not there.is_file():
         raise StorageError(f"{path}: is not a plain file, and is not changed")
     return there
 
 
 def partial_of(path: Path) -> Path:
     """The name under which this process writes a file until it is complete: no other process writes under it."""
-    return path.with_name(f".{path.stem}.{os.getpid()}-{secrets.token_hex(4)}.partial{path.suffix}")
+    return path.with_name(f".{_shortened(path.stem)}.{os.getpid()}-{secrets.token_hex(4)}.partial{path.suffix}")
+
+
+def _shortened(stem: str) -> str:
+    """The beginning of a name that leaves room for more: systems know names of up to 255 bytes."""
+    return os.fsencode(stem)[:MOST_STEM_BYTES].decode(errors="ignore")
 
 
 def remove_abandoned(path: Path) -> None:
     """Remove partial files of processes that ended some time ago."""
-    name = re.compile(rf"\.{re.escape(path.stem)}\.([0-9]{{1,9}})-[0-9a-f]{{8}}\.partial{re.escape(path.suffix)}")
+    name = re.compile(
+        rf"\.{re.escape(_shortened(path.stem))}\.([0-9]{{1,9}})-[0-9a-f]{{8}}\.partial{re.escape(path.suffix)}"
+    )
     for other in path.parent.glob(".*.partial*"):
         with contextlib.suppress(OSError):
             old = time.time() - other.lstat().st_mtime > ABANDONED
@@ -283,6 +294,8 @@ def plain_of(content: bytes) -> object:
     """The data of a JSON text. Raises ValueError for any error of Python's reader."""
     try:
         return json.loads(content)
+    except UnicodeDecodeError:
+        raise ValueError("is not text in UTF-8") from None
     except RecursionError:
         raise ValueError("is nested too deeply") from None
 
