@@ -1,6 +1,8 @@
 """Which pass of scripts/test runs a test, and coverage in every process that runs tests, however many there are."""
 
+import contextlib
 import os
+import signal
 import zlib
 from collections import Counter
 from pathlib import Path
@@ -8,6 +10,7 @@ from pathlib import Path
 import coverage
 import pytest
 from hypothesis import settings
+from numba.core import event
 
 TESTS = Path(__file__).parent
 PLAIN = ("laws", "contracts", "engine", "models", "lammps")
@@ -19,14 +22,76 @@ COMPILED_LAWS = "test_multipole.py"
 settings.register_profile("ecume", deadline=None)
 settings.load_profile("ecume")
 
-# Where scripts/test asks for it. Begins before anything of the package is imported: lines that run at import count.
-MEASURED = coverage.Coverage() if "ECUME_TESTS_MEASURED" in os.environ else None
-if MEASURED is not None:
-    MEASURED.start()
+PLAIN_PASS = os.environ.get("NUMBA_DISABLE_JIT") == "1"
 MEASURED_CASES = 4
 """Cases of a test of many cases that are measured. The others run the same lines, but for a few, and Python that is
 measured takes twice the time: what the report counts as run has run.
 """
+MEASURED_SECONDS = 0.5
+"""Processor time of a test of the plain pass that is measured. A loop that takes longer repeats its lines."""
+MEASURED_COMPILATIONS = 300
+"""Functions whose compilation is measured in a process. All others run the same lines of the compiler, too."""
+
+
+class Measuring:
+    """Coverage of this process. Begins before anything of the package is imported: lines that run at import count."""
+
+    def __init__(self):
+        self.coverage, self.paused = coverage.Coverage(), set()
+        self.coverage.start()
+        if PLAIN_PASS:
+            signal.signal(signal.SIGVTALRM, lambda *_: self.pause("its time is over"))
+        else:
+            event.register("numba:compile", Compilations(self))
+
+    def pause(self, reason):
+        if not self.paused:
+            self.coverage.stop()
+        self.paused.add(reason)
+
+    def resume(self, reason):
+        if self.paused == {reason}:
+            self.coverage.start()
+        self.paused.discard(reason)
+
+    @contextlib.contextmanager
+    def of_a_test(self, number):
+        """The test is the case of this number of a test."""
+        if number > MEASURED_CASES:
+            self.pause("enough cases")
+        elif PLAIN_PASS:
+            signal.setitimer(signal.ITIMER_VIRTUAL, MEASURED_SECONDS)
+        yield
+        if PLAIN_PASS:
+            signal.setitimer(signal.ITIMER_VIRTUAL, 0.0)
+        for reason in (*self.paused,):
+            self.resume(reason)
+
+    def save(self):
+        self.coverage.stop()
+        self.coverage.save()
+
+
+class Compilations(event.Listener):
+    """Pauses while Numba compiles, after the first functions."""
+
+    def __init__(self, measuring):
+        self.measuring, self.begun, self.depth = measuring, 0, 0
+
+    def on_start(self, event):
+        self.begun += 1
+        self.depth += 1
+        if self.depth == 1 and self.begun > MEASURED_COMPILATIONS:
+            self.measuring.pause("a compilation")
+
+    def on_end(self, event):
+        self.depth -= 1
+        if self.depth == 0:
+            self.measuring.resume("a compilation")
+
+
+# Where scripts/test asks for it.
+MEASURED = Measuring() if "ECUME_TESTS_MEASURED" in os.environ else None
 seen: Counter[str] = Counter()
 
 
@@ -47,13 +112,8 @@ def pytest_runtest_protocol(item):
     """Nothing is measured after the first cases of a test."""
     test = item.nodeid.partition("[")[0]
     seen[test] += 1
-    if MEASURED is None or seen[test] <= MEASURED_CASES:
+    with contextlib.nullcontext() if MEASURED is None else MEASURED.of_a_test(seen[test]):
         return (yield)
-    MEASURED.stop()
-    try:
-        return (yield)
-    finally:
-        MEASURED.start()
 
 
 @pytest.fixture(autouse=True)
@@ -70,5 +130,4 @@ def variables():
 
 def pytest_unconfigure():
     if MEASURED is not None:
-        MEASURED.stop()
         MEASURED.save()
