@@ -1,6 +1,7 @@
 """Which pass of scripts/test runs a test, and coverage in every process that runs tests, however many there are."""
 
 import contextlib
+import gc
 import os
 import signal
 import zlib
@@ -105,6 +106,12 @@ def pytest_itemcollected(item):
         item.add_marker(pytest.mark.plain)
         if folder == "lammps" or (folder == "laws" and item.path.name != COMPILED_LAWS):
             item.add_marker(pytest.mark.uncompiled)
+
+
+def pytest_collection_finish():
+    """Tests and modules stay until the end: no search for garbage goes through them again."""
+    gc.collect()
+    gc.freeze()
 
 
 @pytest.hookimpl(wrapper=True)

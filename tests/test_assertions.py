@@ -47,40 +47,37 @@ ASSERTING = re.compile(r"raises|warns|assert_\w+|require_\w+")
 """Calls that assert: of pytest and NumPy, and functions of the package that raise."""
 
 
-def called_by(function):
-    """The names of what a function calls."""
-    names = (node.func for node in ast.walk(function) if isinstance(node, ast.Call))
-    return {getattr(name, "attr", getattr(name, "id", "")) for name in names}
-
-
-def asserts(function, helpers):
-    """Whether a function asserts something, itself, by pytest or NumPy, by a child process, or by one of these."""
-    called = called_by(function)
-    return (
-        any(isinstance(node, ast.Assert) for node in ast.walk(function))
-        or any(ASSERTING.fullmatch(name) for name in called)
-        or bool(called & helpers)
-        or any(
-            each.arg == "check" for node in ast.walk(function) if isinstance(node, ast.Call) for each in node.keywords
-        )
-    )
+def evidence(function):
+    """Whether a function asserts something by itself, by pytest or NumPy, or by a child process; and what it calls."""
+    nodes = list(ast.walk(function))
+    calls = [node for node in nodes if isinstance(node, ast.Call)]
+    called = {getattr(call.func, "attr", getattr(call.func, "id", "")) for call in calls}
+    checked = any(each.arg == "check" for call in calls for each in call.keywords)
+    itself = checked or any(isinstance(node, ast.Assert) for node in nodes) or any(map(ASSERTING.fullmatch, called))
+    return itself, called
 
 
 def helpers_among(functions):
     """The names of functions that assert, some of them by others."""
+    told = [(each.name, *evidence(each)) for each in functions]
     found, before = set(), None
     while before != found:
         before = set(found)
-        found |= {each.name for each in functions if asserts(each, found)}
+        found |= {name for name, itself, called in told if itself or called & found}
     return found
+
+
+def silent_among(functions, helpers):
+    """The names of functions that assert nothing, neither by themselves nor by these helpers."""
+    told = [(each.name, *evidence(each)) for each in functions]
+    return [name for name, itself, called in told if not (itself or called & helpers)]
 
 
 def test_each_test_asserts_something():
     trees = {file: ast.parse(file.read_text(encoding="utf-8")) for file in HERE.rglob("*.py")}
     functions = [node for tree in trees.values() for node in ast.walk(tree) if isinstance(node, ast.FunctionDef)]
     helpers = helpers_among([each for each in functions if not each.name.startswith("test_")])
-    silent = {each.name for each in functions if each.name.startswith("test_") and not asserts(each, helpers)}
-    assert silent == set()
+    assert silent_among([each for each in functions if each.name.startswith("test_")], helpers) == []
 
 
 def test_a_test_that_asserts_nothing_is_found():
@@ -88,4 +85,4 @@ def test_a_test_that_asserts_nothing_is_found():
         "def sure():\n    assert x()\ndef surer():\n    sure()\ndef test_a():\n    surer()\ndef test_b():\n    run(1)\n"
     )
     functions = [node for node in tree.body if isinstance(node, ast.FunctionDef)]
-    assert [each.name for each in functions if not asserts(each, helpers_among(functions[:2]))] == ["test_b"]
+    assert silent_among(functions, helpers_among(functions[:2])) == ["test_b"]

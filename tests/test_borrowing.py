@@ -65,8 +65,15 @@ def row_of(both):
 compiled_sum, compiled_swap = compiled_once(sum_of), compiled_once(swapped)
 
 
+@pytest.fixture(scope="module")
+def left_alone():
+    """What other tests made is not searched for garbage with each balance."""
+    gc.collect()
+    gc.freeze()
+
+
 @pytest.fixture
-def counting():
+def counting(left_alone):
     """Numba counts the arrays that it makes and ends."""
     _nrt_python.memsys_enable_stats()
     yield

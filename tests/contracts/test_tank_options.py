@@ -235,6 +235,7 @@ def refusals():
 
 
 @pytest.mark.long
+@pytest.mark.uncompiled
 def test_the_documentation_lists_the_pairs_that_are_refused():
     listed = re.search(r"<!-- refused pairs -->\n\n(.*?)\n\n<!-- end -->", PAGE.read_text(encoding="utf-8"), re.DOTALL)
     assert listed is not None

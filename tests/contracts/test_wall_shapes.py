@@ -186,6 +186,7 @@ def test_a_polygon_that_holds_no_raft_is_refused(vertices, why):
         FLOATING.parameters(dataclasses.replace(scene, dish=dish))
 
 
+@pytest.mark.compiled  # thousands of steps; one float does the same as plain Python above
 def test_floats_in_a_triangle_keep_their_energy_and_stay_inside():
     """At short steps: in a sharp corner, a second collision within a step is plastic."""
     frames = {}

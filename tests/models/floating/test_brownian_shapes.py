@@ -55,6 +55,7 @@ def test_displacements_have_the_variances_of_the_three_frictions():
     assert exact[0] > 1.05 * exact[1]
 
 
+@pytest.mark.compiled  # 24,000 steps
 def test_an_ellipsoid_between_walls_is_wherever_there_is_room():
     """The share of an angle is proportional to the area that its outline leaves free."""
     width, height, steps = 2.5 * RADIUS, 2.3 * RADIUS, 24_000

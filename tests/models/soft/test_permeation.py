@@ -61,7 +61,13 @@ def ran(scene):
 
 @pytest.mark.parametrize(
     ("rows", "dimensions", "drained"),
-    [(6, 2, (False, True)), (6, 3, (False, True)), (6, 2, (True, False)), (12, 2, (True, True))],
+    [
+        (6, 2, (False, True)),
+        (6, 2, (True, False)),
+        # The same loops over more numbers, which take long as plain Python.
+        pytest.param(6, 3, (False, True), marks=pytest.mark.compiled),
+        pytest.param(12, 2, (True, True), marks=pytest.mark.compiled),
+    ],
 )
 def test_a_column_consolidates_by_terzaghis_series(rows, dimensions, drained):
     """Coefficient and settlement are computed, not fitted. Six rows and secants instead of tangents: one percent. With

@@ -79,7 +79,7 @@ def test_the_floor_bears_all_that_pushes():
     assert frame.numbers["bottom_force_x"] == pytest.approx(0.0, abs=1e-12)
 
 
-@pytest.mark.parametrize("rotation", [False, True])
+@pytest.mark.parametrize("rotation", [False, pytest.param(True, marks=pytest.mark.compiled)])
 def test_a_moving_ceiling_drags_the_spheres_along_and_the_floor_holds_them(rotation):
     frames = list(simulate(channel({"top": {"velocity": [0.2, 0.0]}}, rotation=rotation)))
     numbers = frames[-1].numbers

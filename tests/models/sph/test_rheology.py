@@ -173,7 +173,12 @@ def test_what_no_law_is_known_for_is_refused(changes, says):
 
 def test_a_liquid_of_one_viscosity_has_the_same_bits_by_either_key():
     """Bingham's liquid without yield stress is Newton's."""
-    short = {"duration": '"2 ms"', "frame_every": '"1 ms"', "liquid.rheology.largest_viscosity": 1.0}
+    short = {
+        "duration": '"2 ms"',
+        "frame_every": '"1 ms"',
+        "spacing": '"2 mm"',
+        "liquid.rheology.largest_viscosity": 1.0,
+    }
     plain = channel(consistency=1.0, **short)
     newton = dataclasses.replace(plain, liquid=dataclasses.replace(plain.liquid, rheology=None, viscosity=1.0))
     one, other = ([f.arrays["velocity"] for f in simulate(scene)][-1] for scene in (plain, newton))

@@ -1,5 +1,6 @@
 """Tanks in which z points up: the results of the same tank with y and z exchanged."""
 
+import os
 import re
 
 import numpy as np
@@ -14,6 +15,8 @@ from ecume.scenes.schema import from_plain
 VECTORS = ("low", "high", "center", "position", "velocity", "axis")
 """Keys that hold vectors."""
 SPACING = 0.1
+LONG = 0.003 if os.environ.get("NUMBA_DISABLE_JIT") == "1" else 0.01
+"""s: a step or two as plain Python."""
 BOX = {"box_height": "box_depth", "box_depth": "box_height"}
 """Sides of a periodic tank, which are exchanged, too."""
 
@@ -37,7 +40,7 @@ def random_tank(seed):
     level = SPACING * int(random.integers(2, cells[1] + 1))
     tank = {"high": [wide, high + 0.2, deep], "top": {"kind": "open"}}
     plain = {
-        "model": "sph", "duration": 0.01, "frame_every": 0.01, "spacing": SPACING, "tank": tank,
+        "model": "sph", "duration": LONG, "frame_every": LONG, "spacing": SPACING, "tank": tank,
         "liquid": {"maximum_speed": 3.0, "viscosity": float(random.choice([0.0, 1.0]))},
         "fluid": [{"low": [0.0, 0.0, 0.0], "high": [wide, level, deep], "velocity": random.normal(0, 0.1, 3).tolist()}],
         "gauges": [

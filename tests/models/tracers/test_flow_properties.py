@@ -189,6 +189,7 @@ def test_paths_through_a_periodic_side_are_as_exact_as_elsewhere(tmp_path):
     assert ends[1] == pytest.approx(ends[0], abs=1e-7)
 
 
+@pytest.mark.compiled  # so many steps take long as plain Python, which takes a few in the tests above
 def test_a_linear_interpolation_is_found_to_gather_particles(tmp_path):
     """The same count sees the sources and sinks of a coarse grid that is interpolated linearly. Without divergence no
     liquid flows through the walls, either, where that of the file is zero.
@@ -207,7 +208,7 @@ def test_a_linear_interpolation_is_found_to_gather_particles(tmp_path):
     assert found == [False, True]
 
 
-@pytest.mark.parametrize("seed", [1, 2])
+@pytest.mark.parametrize("seed", [1, pytest.param(2, marks=pytest.mark.compiled)])
 def test_flows_around_obstacles_keep_a_density_uniform(seed):
     """A front of particles that crosses a channel: what enters a region between obstacles also leaves it.
 
@@ -240,6 +241,7 @@ def test_flows_around_obstacles_keep_a_density_uniform(seed):
     assert abs(behind.sum() - share * region.sum()) < 5.0 * math.sqrt(region.sum() * share * (1.0 - share))
 
 
+@pytest.mark.compiled
 def test_a_periodic_array_of_obstacles_keeps_a_density_uniform():
     """Particles that go around the discs of an array, through the periodic side, are as dense everywhere."""
     pytest.importorskip("skfem")
