@@ -104,6 +104,10 @@ def _motion(scene: FloatingScene) -> str:
     return _whether(scene.dish is not None and scene.dish.motion is not None, "a moving dish")
 
 
+def _barrier(scene: FloatingScene) -> str:
+    return _whether(scene.dish is not None and scene.dish.barrier is not None, "a barrier")
+
+
 def _rotation(scene: FloatingScene) -> str:
     """The reason why rotation cannot be expressed: a moment of inertia other than that of a sphere."""
     other = bool(scene.hydrodynamics.added_mass) or any(one.disc is not None for one in scene.given)
@@ -165,6 +169,7 @@ FLOATS = (
                 "round or rectangle", "other walls have no region in the deck"),
     Expressible("dish.motion", _motion, NONE, "a dish at rest",
                 "the deck describes the frame of the dish without inertial forces"),
+    Expressible("dish.barrier", _barrier, NONE, "sides at rest", "the deck does not record the force on a wall"),
     Expressible("contacts.legacy_coefficient", lambda scene: scene.contacts.legacy_coefficient, lambda got: got is None,
                 "none, and a restitution", "springs separate floats; these contacts let them sink into one another"),
     Expressible("contacts.restitution", _bounces, _above_critical, f"{LEAST_RESTITUTION:g} or more",

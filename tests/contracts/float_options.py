@@ -49,6 +49,8 @@ OPTIONS: dict[str, tuple[str, dict[str, str]]] = {
     "wall profile": ("dish", {"dish": 'radius = 1e-3\nrestitution = 0.5\nlaw = "profile"\n'}),
     "dish in motion": ("dish", {"dish": "radius = 1e-3\nrestitution = 0.5\n"
                        "motion = { amplitude = 1e-5, frequency = 2.0 }\n"}),
+    "barrier": ("dish", {"dish": 'size = [8e-3, 8e-3]\nrestitution = 0.5\nlaw = "none"\n'
+                "barrier = { velocity = 0.01, start = 3.85999e-3 }\n"}),
     "periodic cell": ("dish", {"cell": "size = [0.1, 0.1]\n", "interaction": "accuracy = 1e-2\n"}),
     "surfactant in a dish": ("dish", {
         "dish": "radius = 1e-3\nrestitution = 0.5\n",

@@ -71,6 +71,7 @@ TOUCHING = [(0.0, 0.0), (6.0001e-5, 0.0), (3.0e-5, 4.8470e-5)]
 SPEEDS = ["[0.02, 0.003]", "[-0.02, 0.0]", "[0.0, -0.02]"]
 TOGETHER = [
     ("friction", "round dish"),
+    ("friction", "barrier"),
     ("rolling friction", "round dish"),
     ("rolling friction", "noise"),
     ("springs", "noise"),

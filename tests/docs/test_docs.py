@@ -56,6 +56,7 @@ SECTIONS = {
     "[magnetic_field]": floating.MagneticFieldSpec,
     "[waves]": floating.WavesSpec,
     "[[waves.sources]]": floating.WaveSourceSpec,
+    "[dish.barrier]": floating.BarrierSpec,
     "[surfactant]": floating.SurfactantSpec,
     "[[surfactant.sources]]": floating.SurfactantSourceSpec,
     "[[surfactant.drops]]": floating.SurfactantDropSpec,

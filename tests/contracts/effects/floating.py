@@ -49,6 +49,18 @@ IMPACT = {"particles": [{"velocities": [[0.0, 0.0], [-20.0, 0.5], [0.0, 0.0]]}]}
 IMPACTS = {"particles": [{"velocities": [[0.0, 0.0], [-20.0, 0.5], [2.0, -20.0]]}]}
 WALL_IMPACT = {"particles": [{"velocity": [20.0, 2.0]}], "hydrodynamics": {"drag": "stokes"}, **DISH}
 MOVED = {"dish": {"radius": 0.01, "contact_angle": 1.0, "motion": {"amplitude": 1e-3, "frequency": 2.0}}}
+BARRIER = {"dish": {"size": [0.02, 0.02], "law": "none", "barrier": {"velocity": 0.1, "start": 6.4e-3}}}
+STROKE = {
+    "dish": {
+        "size": [0.02, 0.02],
+        "law": "none",
+        "barrier": {"times": [0.0, 2e-4, 6e-4], "positions": [0.0, 1e-4, 3e-4]},
+    }
+}
+SWEPT = {
+    "dish": {"size": [0.02, 0.02], "law": "none", "barrier": {"velocity": 20.0, "stop": 9e-3}},
+    "integration": {"time_step": None},
+}
 FILMS = {
     "hydrodynamics": {"lubrication": {"roughness": 1e-6}},
     "integration": {"integrator": "overdamped", "time_step": 5e-5},
@@ -189,6 +201,14 @@ EFFECTS = {
     "dish.restitution": of(0.9, **WALL_IMPACT),
     "dish.friction": of(0.5, **WALL_IMPACT),
     "dish.rolling_friction": of(0.5, **merged(WALL_IMPACT, {"dish": {"friction": 0.5}})),
+    "dish.barrier.side": of("left", **BARRIER),
+    "dish.barrier.both": of(True, **BARRIER),
+    "dish.barrier.velocity": of(0.2, **BARRIER),
+    "dish.barrier.start": of(6.3e-3, **BARRIER),
+    "dish.barrier.stop": of(6.42e-3, **BARRIER),
+    "dish.barrier.times": of([0.0, 3e-4, 6e-4], **STROKE),
+    "dish.barrier.positions": of([0.0, 2e-4, 3e-4], **STROKE),
+    "dish.barrier.largest_pressure": of(1e3, **SWEPT),
     "dish.motion.velocity": of([0.01, 0.0], **MOVED),
     "dish.motion.amplitude": of(2e-3, **MOVED),
     "dish.motion.direction": of(0.5, **MOVED),

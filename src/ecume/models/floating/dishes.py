@@ -15,6 +15,7 @@ on pages, and the places where floats can start follow from its surfaces (`ecume
 
 from __future__ import annotations
 
+import dataclasses
 import math
 from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -478,8 +479,43 @@ def wall_table_of(scene: FloatingScene, radii: tuple[float, float]) -> Array:
     return wall_table(dish, liquid_of(scene), radii, meniscus_of(dish))
 
 
-def field_of(dish: DishSpec | None, liquid: flotation.Liquid, x: Array, y: Array) -> Array:
-    """The height of the menisci of the walls alone (m), shape (y, x), for pictures."""
+def field_of(dish: DishSpec | None, liquid: flotation.Liquid, x: Array, y: Array, advance: float = 0.0) -> Array:
+    """The height of the menisci of the walls alone (m), shape (y, x), for pictures; `advance` is the distance of a
+    barrier from its side (m).
+    """
     if dish is None or dish.law == "none":
         return np.zeros((len(y), len(x)))
+    if dish.barrier is not None:
+        dish, x, y = _in_front_of_barrier(dish, x, y, advance)
     return meniscus_of(dish).field(dish, liquid, x, y)
+
+
+def _in_front_of_barrier(dish: DishSpec, x: Array, y: Array, advance: float) -> tuple[DishSpec, Array, Array]:
+    """The dish that a barrier leaves, and places in its frame, which begins at its center."""
+    barrier, sides, places = dish.barrier, list(_sides(dish)), [x, y]
+    assert barrier is not None  # noqa: S101  # the caller looked
+    axis = 0 if barrier.side in ("left", "right") else 1
+    sides[axis] -= (2.0 if barrier.both else 1.0) * advance
+    shift = 0.0 if barrier.both else 0.5 * advance * (1.0 if barrier.side in ("right", "top") else -1.0)
+    places[axis] = places[axis] + shift
+    return dataclasses.replace(dish, size=(sides[0], sides[1]), barrier=None), places[0], places[1]
+
+
+def behind_barrier(dish: DishSpec | None, advance: float) -> list[Array]:
+    """The parts of the dish behind a barrier at this distance from its side, for pictures: rectangles (4, 2) m. The
+    barrier is the line from the second to the third corner.
+    """
+    if dish is None or dish.barrier is None:
+        return []
+    half, found = 0.5 * np.array(_sides(dish)), []
+    for side in [dish.barrier.side, *([_OPPOSITE[dish.barrier.side]] if dish.barrier.both else [])]:
+        axis, outward = (0 if side in ("left", "right") else 1), (1.0 if side in ("right", "top") else -1.0)
+        reach = outward * half[axis], outward * (half[axis] - advance)
+        corners = np.zeros((4, 2))
+        corners[:, axis] = reach[0], reach[1], reach[1], reach[0]
+        corners[:, 1 - axis] = half[1 - axis] * np.array([-1.0, -1.0, 1.0, 1.0])
+        found.append(corners)
+    return found
+
+
+_OPPOSITE = {"left": "right", "right": "left", "bottom": "top", "top": "bottom"}

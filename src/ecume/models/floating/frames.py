@@ -13,6 +13,7 @@ from ecume.engine.contact.contacts import Candidates, apart
 from ecume.engine.walls import Walls, wall_count, wall_distance
 from ecume.laws.moving_dish import sway_place
 from ecume.models.floating.contacts.contact_models import contacts_of, gaps_between
+from ecume.models.floating.forces.barrier import with_walls_of
 from ecume.models.floating.forces.interactions import interactions_of
 from ecume.models.floating.forces.pair_forces import row_of
 from ecume.models.floating.parameters import (
@@ -138,7 +139,7 @@ def touching_shapes(parameters: Parameters, state: State, label: Integers) -> tu
 
 def observe(parameters: Parameters, state: State, workspace: Workspace) -> Frame:
     """Return the frame of this state."""
-    floats = parameters.floats
+    parameters, floats = with_walls_of(parameters, state), parameters.floats
     arrays = {
         "position": into_box(state.position, parameters.periods),
         "velocity": state.velocity.copy(),

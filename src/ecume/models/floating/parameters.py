@@ -230,6 +230,9 @@ def pack_pair(strength: float, capillary_length: float, cutoff: float, surface_t
 
 COLLISIONS, SWEEPS, UNCONVERGED, DEEPEST, WORK = range(5)
 """Indices of `State.tally`."""
+PUSHES = WORK + 1
+"""Behind them, in dishes with a barrier, the impulse of contacts on each wall in this step (N s): see `forces.barrier`.
+"""
 
 
 class State(NamedTuple):

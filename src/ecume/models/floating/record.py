@@ -14,6 +14,7 @@ from ecume.models.actions import Access
 from ecume.models.diagnosis import DEEP, first_broken, when
 from ecume.models.floating.check_report import summary
 from ecume.models.floating.contacts.contact_models import contacts_of, gaps_between
+from ecume.models.floating.forces.barrier import with_walls_of
 from ecume.models.floating.frames import OVERLAP, invariants, observe
 from ecume.models.floating.parameters import (
     DEEPEST,
@@ -114,6 +115,7 @@ def _speeds(parameters: Parameters, state: State) -> Array:
 
 def faults(scene: FloatingScene, parameters: Parameters, state: State) -> list[str]:
     """Messages on floats that overlap by more than contacts tolerate, or are outside the dish."""
+    parameters = with_walls_of(parameters, state)
     radius = parameters.floats.radius
     names = [f"float {i}" for i in range(len(radius))]
     if contacts_of(parameters).gaps is not None:

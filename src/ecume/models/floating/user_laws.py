@@ -137,7 +137,7 @@ def interaction_of(laws: Sequence[BoundLaw]) -> Interaction:
 
     row = Interaction(
         path="extra_laws", name="a user law", constants=constants, make=make, add_forces=add_forces, energy=energy,
-        gives=ROUND | {"pair sum", "undulations", "grid", "superposed", "no torques"},
+        gives=ROUND | {"moving walls", "pair sum", "undulations", "grid", "superposed", "no torques"},
         needs={
             "reciprocal": "its sum counts each pair once",
             "pair sum": "it is added to the pair law, as far as lists of neighbors reach",

@@ -1,9 +1,11 @@
 """The scene of the floating model: liquid, floats, dish, and the laws of their interaction.
 
 `scene.FloatingScene` is the whole; start there, with species and shapes. `surroundings` describes the liquid, the dish,
-currents, contacts and interactions, and `sources` reads floats from tables and other runs.
+currents, contacts and interactions, `barriers` the moving side of a dish, and `sources` reads floats from tables and
+other runs.
 """
 
+from ecume.scenes.floating.barriers import BarrierSpec
 from ecume.scenes.floating.scene import (
     DiscSpec,
     FloatingScene,
@@ -36,6 +38,7 @@ from ecume.scenes.floating.surroundings import (
 
 __all__ = [
     "ActivitySpec",
+    "BarrierSpec",
     "CellSpec",
     "ContactSpec",
     "DiscSpec",

@@ -11,6 +11,7 @@ from pydantic import Field, model_validator
 from ecume.scenes.common import Constant, dataclass
 from ecume.scenes.faults import Complaints, Inconsistent
 from ecume.scenes.fields import FieldSpec
+from ecume.scenes.floating.barriers import BarrierSpec
 from ecume.scenes.quantities import (
     STRICT,
     AbsoluteTemperature,
@@ -273,6 +274,8 @@ class DishSpec:
     normal force times the radius of the float. Effect: floats that roll along the wall stop."""
     motion: DishMotionSpec | None = None
     """The motion of the dish. Effect: inertial forces and drag act on the floats."""
+    barrier: BarrierSpec | None = None
+    """A side of a rectangular dish that moves. Effect: compresses the floats, and records their surface pressure."""
 
     @model_validator(mode="after")
     def _one_shape(self) -> Self:
@@ -282,6 +285,9 @@ class DishSpec:
                 [((), f"expected one of radius, size and vertices; got {' and '.join(given) or 'none'}")]
             )
         _require_rubbing(self)
+        if self.barrier is not None and self.size is None:
+            got = f"got a dish with {given[0]}; expected size, the sides of a rectangle"
+            raise Inconsistent([(("barrier",), f"{got}: the barrier is one of them")])
         return self
 
 

@@ -17,7 +17,7 @@ from matplotlib.patches import Patch, Polygon
 
 from ecume.analysis.series import Flags
 from ecume.engine.walls import surfaces
-from ecume.models.floating.dishes import outline_of, walls_of
+from ecume.models.floating.dishes import behind_barrier, outline_of, walls_of
 from ecume.show.floating.surface import (
     Heights,
     outlines_in,
@@ -61,6 +61,8 @@ PALE = 0.4
 """The opacity of images."""
 CIRCLE = np.stack([wave(np.linspace(0.0, 2.0 * np.pi, 48, endpoint=False)) for wave in (np.cos, np.sin)], axis=1)
 """A disc as a polygon."""
+BEHIND = "#d9d9d9"
+"""The color of the part of a dish behind a barrier."""
 BELOW = 0.07
 """Room for the scale bar below a dish that is not round, in parts of its width."""
 
@@ -96,7 +98,7 @@ class Bowl(Picture):
     def __init__(self, scene: Any, sample: Sequence[Frame], size: Size = USUAL, *, cells: int = 200) -> None:
         self.view = view_of(scene, sample)
         self.figure = blank(size, self.view)
-        self.shapes = shapes_of(scene)
+        self.shapes, self.dish = shapes_of(scene), scene.dish
         closest = min(float(frame.arrays["radius"].min()) for frame in sample)
         self.sheet = sheet(scene, self.view, cells=cells, closest=closest)
         heights = [surface(frame, self.sheet) for frame in sample]
@@ -121,7 +123,10 @@ class Bowl(Picture):
             self.time = clock(axes)
             # Floats are drawn above the rim, half of whose line would hide their contacts with it.
             border = [*_dish(axes, scene.dish, self.height), *_cell(axes, scene)]
-            moving: list[Artist] = [self.height, *border, self.images, self.floats, self.rises]
+            # The liquid behind a barrier, which is the edge of it that is drawn last.
+            self.behind = PolyCollection([], facecolors=BEHIND, edgecolors=RIM, linewidths=1.2, zorder=1.5)
+            axes.add_collection(self.behind, autolim=False)
+            moving: list[Artist] = [self.height, *border, self.behind, self.images, self.floats, self.rises]
             self.bars = scale_bar(axes, self.view)
             moving += [*self.bars, self.time]
             lowest, highest = float(np.min(heights)), float(np.max(heights))
@@ -140,6 +145,7 @@ class Bowl(Picture):
             self._show_images(frame)
         else:
             self.floats.set_verts(outlines_in(frame, self.shapes))
+        self.behind.set_verts(behind_barrier(self.dish, frame.numbers.get("barrier_position", 0.0)))
         self.time.set_text(f"{frame.time:.2f} s{self.pace}")
 
     def _marks(self, frame: Frame) -> list[Any]:

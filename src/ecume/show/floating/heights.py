@@ -67,7 +67,8 @@ def height_field(scene: Any, frame: Frame, *, cells: int = CELLS, view: View | N
     shown = view or view_of(scene, [frame])
     cell = max(shown.width, shown.height) / cells
     x, y = (_places(low, side, cell) for low, side in _sides(shown))
-    return HeightField(x, y, field_of(scene.dish, liquid_of(scene), x, y) + _menisci_on_grid(scene, frame, x, y))
+    still = field_of(scene.dish, liquid_of(scene), x, y, frame.numbers.get("barrier_position", 0.0))
+    return HeightField(x, y, still + _menisci_on_grid(scene, frame, x, y))
 
 
 def _places(low: float, side: float, cell: float) -> Array:

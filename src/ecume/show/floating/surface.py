@@ -135,6 +135,8 @@ class Sheet(NamedTuple):
     """The height around a charge of one, at equal steps of distance from `closest` to `reach`, where it ends in a 0."""
     multipoles: Any = None
     """the floating model's parameters, where floats go by multipoles"""
+    scene: Any = None
+    """the scene, where a barrier moves the menisci of the dish"""
     shapes: Shapes | None = None
     """charges inside their contact lines, where floats have shapes"""
     waves: WavePattern | None = None
@@ -153,7 +155,8 @@ def sheet(scene: Any, view: View, *, cells: int, closest: float) -> Sheet:
     if not has_menisci(scene):
         table = np.zeros_like(table)
     still = np.asarray(field_of(scene.dish, liquid, x, y), np.float32)
-    return Sheet(x, y, still, closest, reach, table, multipoles, shapes, wave_pattern(scene, view))
+    barred = scene if scene.dish is not None and scene.dish.barrier is not None else None
+    return Sheet(x, y, still, closest, reach, table, multipoles, barred, shapes, wave_pattern(scene, view))
 
 
 def has_menisci(scene: Any) -> bool:
@@ -234,6 +237,9 @@ def surface(frame: Frame, on: Sheet) -> Heights:
     if on.multipoles is not None:
         return _solved_surface(frame, on)
     height = on.still.copy()
+    if on.scene is not None:
+        place = frame.numbers.get("barrier_position", 0.0)
+        height = field_of(on.scene.dish, liquid_of(on.scene), on.x, on.y, place).astype(np.float32)
     if on.waves is not None:
         height += wave_heights(frame, on).astype(np.float32)
     if not on.menisci.any():

@@ -118,6 +118,8 @@ class Bowl:
     def __init__(self, scene: FloatingScene) -> None:
         if scene.model != "floating" or scene.dish is None:
             raise BadInput("expected a scene of model 'floating' with a [dish]")
+        if scene.dish.barrier is not None:
+            raise BadInput("got a dish with a barrier; expected sides at rest: a game starts its scene at each change")
         self.hand: Hand | None = None
         self.slosh, self.tilt = Slosh(), (0.0, 0.0)
         self.time, self.calmed, self.news = 0.0, -math.inf, list[str]()

@@ -5,6 +5,7 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Callable, Sequence
+from functools import partial
 from typing import Any, NamedTuple, Protocol
 
 import numpy as np
@@ -12,7 +13,7 @@ import numpy as np
 from ecume.analysis.boxes import box_of
 from ecume.analysis.pressures import with_pressures
 from ecume.engine.walls import surfaces
-from ecume.models.floating.dishes import walls_of
+from ecume.models.floating.dishes import behind_barrier, walls_of
 from ecume.models.sph.setup.choices import free_surface, pressure_of
 from ecume.scenes.soft.scene import SIDES as WALL_SIDES
 from ecume.show.floating.bowl import height_colors, height_ticks, view_of
@@ -339,9 +340,17 @@ def floating_stage(scene: Any, sample: Sequence[Frame]) -> Stage:
         lines=_borders(scene),
         heights=lambda frame: np.asarray(np.clip(colors.norm(surface(frame, on) * scale.factor), 0.0, 1.0)),
         surface=drawn, curves=("kinetic_energy", "total_energy"),
-        movers=None if shapes is None else lambda frame: [closed(one) for one in outlines_in(frame, shapes)],
+        movers=_moving_outlines(scene, shapes),
         inner=None if shapes is None else np.array([np.hypot(*one.T).min() for one in shapes.outlines]),
     )  # fmt: skip
+
+
+def _moving_outlines(scene: Any, shapes: Any) -> Any:
+    """The outlines of floats with a shape, or of what is behind a barrier, in a frame; None without any."""
+    if scene.dish is not None and scene.dish.barrier is not None:
+        behind = partial(behind_barrier, scene.dish)
+        return lambda frame: [closed(one) for one in behind(frame.numbers.get("barrier_position", 0.0))]
+    return None if shapes is None else lambda frame: [closed(one) for one in outlines_in(frame, shapes)]
 
 
 def _borders(scene: Any) -> list[Line]:

@@ -44,6 +44,7 @@ from ecume.models.floating.parameters import (
     COLLISIONS,
     DEEPEST,
     DRIVEN,
+    PUSHES,
     SWEEPS,
     UNCONVERGED,
     Parameters,
@@ -347,6 +348,16 @@ def bounce(part: Any, scratch: Any, parameters: Parameters, state: State, worksp
     share_restitution(parameters, contacts, of_float)
     state.tally[COLLISIONS] += count_bounces(contacts, of_float)
     push(part, scratch, contact_bodies(parameters), contacts, workspace.midstep_velocity)
+    note_pushes(state.tally, contacts, len(parameters.floats.radius))
+
+
+@compiled
+def note_pushes(tally: Array, contacts: Contacts, count: int) -> None:
+    """Add the impulses of contacts on each wall, where the state has room for them: in dishes with a barrier."""
+    if len(tally) > PUSHES:
+        for row in range(contacts.total[0]):
+            if contacts.second[row] >= count:
+                tally[PUSHES + contacts.second[row] - count] += contacts.impulse[row]
 
 
 @compiled_inside
@@ -484,6 +495,7 @@ def solve_contacts(
         most = solve(part, scratch, contact_bodies(parameters), contacts, velocity, goal)
     else:
         clear_impulses(contacts)
+    note_pushes(state.tally, contacts, len(parameters.floats.radius))
     state.tally[SWEEPS] += most
     state.tally[UNCONVERGED] += 1.0 if most > impulse_solvers.MOST_SWEEPS else 0.0
     touching.remember(touching.contact_keys(contacts), memory)
@@ -554,16 +566,25 @@ def separate(part: Any, scratch: Any, parameters: Parameters, state: State, work
 
 
 @compiled
-def require_rest(parameters: Parameters, contacts: Contacts | TorqueContacts) -> None:
-    """Set bounds that keep the gaps of pairs open which approach only because of the kick; `contacts.scratch` has the
-    speeds with the kick, `contacts.change` those without it.
+def require_rest(parameters: Parameters, contacts: Contacts | TorqueContacts, still: float) -> None:
+    """Set bounds that keep the gaps of pairs open which approach only because of the kick, or not faster than `still`;
+    `contacts.scratch` has the speeds with the kick, `contacts.change` those without it.
 
     A faster approach is not constrained: it is a collision of the next step.
     """
     speed, before, bound, gap = contacts.scratch, contacts.change, contacts.bound, contacts.gap
     for row in range(contacts.total[0]):
-        lasting = before[row] >= -STEADY * abs(speed[row] - before[row])
+        lasting = before[row] >= -STEADY * abs(speed[row] - before[row]) - still
         bound[row] = -max(gap[row], 0.0) / parameters.time_step if lasting else -np.inf
+
+
+@compiled
+def speed_of_walls(velocity: Array, count: int) -> float:
+    """The highest speed of a wall (m/s), from the rows behind those of the floats."""
+    fastest = 0.0
+    for row in range(count, len(velocity)):
+        fastest = max(fastest, math.sqrt(velocity[row, 0] ** 2 + velocity[row, 1] ** 2))
+    return fastest
 
 
 @compiled
@@ -577,7 +598,9 @@ def constrain_velocities(part: Any, scratch: Any, parameters: Parameters, state:
     copy_rows(midstep_velocity, state.velocity)
     touching.normal_velocities(contacts, before, contacts.change)
     touching.normal_velocities(contacts, midstep_velocity, contacts.scratch)
-    require_rest(parameters, contacts)
+    # A barrier pushes rows of floats against drag, at equal speeds up to the tolerance of the solve.
+    moving = speed_of_walls(before, len(state.velocity)) > 0.0
+    require_rest(parameters, contacts, TOLERABLE * parameters.slop / parameters.time_step if moving else 0.0)
     solve_contacts(part, scratch, parameters, state, workspace, midstep_velocity)
     copy_rows(state.velocity, midstep_velocity)
     store_spins(part, scratch, parameters, state, True)

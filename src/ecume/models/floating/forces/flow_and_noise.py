@@ -31,8 +31,9 @@ if TYPE_CHECKING:
 
 
 def _driven(scene: FloatingScene) -> bool:
-    """Whether forces without an energy act: active ones, or those of waves, a magnetic field or a surfactant."""
-    driven = scene.activity, scene.waves, scene.magnetic_field, scene.surfactant
+    """Whether work is done without an energy: by active forces, waves, a magnetic field, a surfactant or a barrier."""
+    barrier = scene.dish.barrier if scene.dish is not None else None
+    driven = scene.activity, scene.waves, scene.magnetic_field, scene.surfactant, barrier
     return any(each is not None for each in driven)
 
 

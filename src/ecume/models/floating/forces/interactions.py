@@ -14,7 +14,7 @@ import numpy as np
 from ecume._jit import composed, each_selected
 from ecume._tables import by_constants
 from ecume.engine.neighbors import NeighborLists, sort_positions
-from ecume.laws import camphor, contact_lines, ewald, multipole, pair_laws, radiated_waves
+from ecume.laws import camphor, contact_lines, ewald, multipole, pair_laws, radiated_waves, rafts
 from ecume.models.floating.coupled.mobility import CoupledFilms, apply_coupled_films, coupled_films_of
 from ecume.models.floating.forces.activity import (
     Activity,
@@ -25,6 +25,17 @@ from ecume.models.floating.forces.activity import (
     no_activity_energy,
     renew_activity,
     with_activity,
+)
+from ecume.models.floating.forces.barrier import (
+    Barrier,
+    barrier_lines,
+    barrier_numbers,
+    barrier_of,
+    carry_barrier,
+    make_barrier_scratch,
+    move_barrier,
+    no_barrier_energy,
+    with_barrier,
 )
 from ecume.models.floating.forces.ewald_grid import (
     Split,
@@ -120,7 +131,7 @@ class Interaction(Option):
     """the type of the part, a NamedTuple"""
     make: Callable[[Parameters, FloatingScene], Built]
     """make(parameters without parts, scene). Raises SceneError"""
-    add_forces: Callable[..., None]
+    add_forces: Callable[..., None] | None
     """add_forces(part, scratch, parameters, position, lists, force): add to the forces (N, 2)"""
     energy: Callable[..., tuple[float, float]]
     """energy(part, scratch, parameters, state, workspace): among floats and at walls (J); forces are minus its
@@ -171,7 +182,7 @@ INTERACTIONS = {
     "superposition": Interaction(
         path="interaction.method", name="'superposition'", constants=Superposed, make=superposed_of,
         add_forces=superposed_forces, energy=superposed_energy, scratch=make_sorted, sort=sort_floats,
-        gives=ROUND | {"pair sum", "grid", "superposed", "no torques"},
+        gives=ROUND | {"moving walls", "pair sum", "grid", "superposed", "no torques"},
     ),
     "shapes": Interaction(
         path="particles", name="a float with a shape", constants=Shaped, make=shapes_of, add_forces=shaped_forces,
@@ -200,7 +211,7 @@ INTERACTIONS = {
     "pair-corrected": Interaction(
         path="interaction.method", name="'pair-corrected'", constants=PairTables, make=corrections_of,
         add_forces=correction_forces, energy=correction_energy, adds_to_pairs=True,
-        gives=ROUND | {"pair sum", "no torques"},
+        gives=ROUND | {"moving walls", "pair sum", "no torques"},
         laws=(multipole.solve,),
         needs={"menisci": "tables hold what two menisci do beyond their sum"},
     ),
@@ -208,7 +219,7 @@ INTERACTIONS = {
         path="particles", name="a magnetic moment", constants=DipoleMoments, make=dipoles_of, add_forces=dipole_forces,
         energy=dipole_energies, scratch=make_sorted_moments, sort=sort_moments,
         arrays=lambda part: {"magnetic_moment": (part.moment.copy(), "A*m^2")},
-        gives=ROUND | {"pair sum", "undulations", "grid", "no torques"}, laws=(pair_laws.dipole_force,),
+        gives=ROUND | {"moving walls", "pair sum", "undulations", "grid", "no torques"}, laws=(pair_laws.dipole_force,),
         needs={
             "reciprocal": "the energy of the dipoles is kept together with that of the law",
             "round": "a dipole is taken to be at the center, which elongated floats come nearer to than they touch",
@@ -218,7 +229,7 @@ INTERACTIONS = {
         path="magnetic_field", name="a magnetic field", constants=MagneticField, make=magnetic_field_of,
         add_forces=magnetic_forces, energy=magnetic_energy, scratch=make_magnetic_scratch, kick_spins=renew_field,
         lines=magnetic_lines, arrays=lambda part: {"magnetic_moment": (part.permanent.copy(), "A*m^2")},
-        gives=ROUND | {"pair sum", "undulations", "grid", "no torques"},
+        gives=ROUND | {"moving walls", "pair sum", "undulations", "grid", "no torques"},
         laws=(pair_laws.oblique_dipole_energy, pair_laws.induced_moment),
         needs={
             "reciprocal": "the energy of the moments is kept together with that of the law",
@@ -231,7 +242,7 @@ INTERACTIONS = {
         add_forces=smooth_forces, energy=split_energy, compiled=False, scratch=make_reference, sort=place_grid,
         lines=split_lines,
         pairs_worth=lambda part, time_step: part.work[1], points=lambda part: part.points,
-        gives=ROUND | {"superposed", "no torques"},
+        gives=ROUND | {"moving walls", "superposed", "no torques"},
         laws=(ewald.short_energy, ewald.smooth_wave, ewald.grid_error),
         needs={
             "menisci": "its waves are those of the liquid's surface",
@@ -243,7 +254,7 @@ INTERACTIONS = {
         path="activity", name="an active force", constants=Activity, make=activity_of, add_forces=activity_forces,
         energy=no_activity_energy, scratch=make_activity_scratch, kick_spins=renew_activity,
         add_work=add_work_of_activity, state=with_activity,
-        gives=ROUND | {"pair sum", "grid", "superposed", "undulations", "no torques"},
+        gives=ROUND | {"moving walls", "pair sum", "grid", "superposed", "undulations", "no torques"},
         needs={
             "drag": "drag limits the speed that an active force gives",
             "kicks at the ends": "active forces are renewed once per step",
@@ -255,7 +266,7 @@ INTERACTIONS = {
         energy=no_wave_energy, scratch=make_waves_scratch, kick_spins=kick_wave_spins, state=with_headings,
         inertia=lambda part: np.asarray(part.inertia), lines=wave_lines,
         pairs_worth=lambda part, time_step: 2.0 * float(len(part.owner)) ** 2,
-        gives=ROUND | {"pair sum", "grid", "superposed", "undulations"},
+        gives=ROUND | {"moving walls", "pair sum", "grid", "superposed", "undulations"},
         laws=(radiated_waves.slope_per_force, radiated_waves.mean_force),
         needs={
             "drag": "waves take their energy from outside, and drag takes it from the floats",
@@ -281,6 +292,20 @@ INTERACTIONS = {
             "kicks at the ends": "the concentration is advanced once per step",
             "round": "floats release over a disc, on whose perimeter the surface tension acts",
             "bounded": "the concentration is computed on a grid, which has an end",
+        },
+    ),
+    "barrier": Interaction(
+        path="dish.barrier", name="a barrier", constants=Barrier, make=barrier_of, add_forces=None,
+        energy=no_barrier_energy, scratch=make_barrier_scratch, kick_spins=move_barrier, add_work=carry_barrier,
+        state=with_barrier, numbers=barrier_numbers, lines=barrier_lines,
+        gives=ROUND | {"pair sum", "grid", "superposed", "undulations", "no torques"},
+        laws=(rafts.buckling_pressure, rafts.pressure_left),
+        needs={
+            "kicks at the ends": "the barrier moves once per step",
+            "full mobility": "its force is that of the impulses that stop floats",
+            "lone": "a wall that moves makes liquid flow, which would carry floats that feel the flow of others",
+            "moving walls": "multipoles, outlines and surfactant are solved between walls at rest",
+            "no noise": "floats that diffuse meet walls at rest within a step",
         },
     ),
 }  # fmt: skip

@@ -107,7 +107,7 @@ def _further_spin(scene: FloatingScene, radius: Array, viscosity: float) -> Arra
 
 
 HYDRODYNAMICS = {
-    "none": HydrodynamicInteraction(name="'none'", gives=frozenset({"single drag"})),
+    "none": HydrodynamicInteraction(name="'none'", gives=frozenset({"single drag", "lone"})),
     "rotne-prager": HydrodynamicInteraction(
         name="'rotne-prager'", moves=lambda integrator: COUPLED, make=coupled_kicks_of,
         contacts={"none": "coupled", "impulse": "coupled", "friction": "coupled friction"},

@@ -562,7 +562,7 @@ def constrain_outline_velocities(
     levers = scratch.levers
     touching.normal_velocities(levers, scratch.before, levers.change)
     touching.normal_velocities(levers, scratch.midstep_velocity, levers.scratch)
-    require_rest(parameters, levers)
+    require_rest(parameters, levers, 0.0)
     solve_contacts(parameters, state, levers, scratch.midstep_velocity)
 
 

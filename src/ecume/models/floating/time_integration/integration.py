@@ -27,6 +27,7 @@ from ecume.models.floating.contacts.contact_models import (
     contacts_of,
     find_contacts,
 )
+from ecume.models.floating.forces.barrier import with_mobile_walls
 from ecume.models.floating.forces.flow_and_noise import set_clock, varies
 from ecume.models.floating.forces.interactions import (
     BY_CONSTANTS,
@@ -176,7 +177,7 @@ def advance(parameters: Parameters, state: State, workspace: Workspace, steps: i
     """See `ecume.models.model.Model.advance`. Compiled code runs all steps if it can call every part; otherwise
     Python runs the same text, step by step, around compiled parts.
     """
-    parts, bare = parameters.parts, parameters._replace(parts=())
+    parts, bare = parameters.parts, with_mobile_walls(parameters, workspace.scratch)._replace(parts=())
     interactions = map(BY_CONSTANTS.__getitem__, map(type, parts.interactions))
     whole = all(map(attrgetter("compiled"), (INTEGRATORS_BY_CONSTANTS[type(parts.integrator)], *interactions)))
     run = integrate if whole else plainly(integrate)
@@ -207,7 +208,7 @@ def renew_lists(parts: Parts, scratches: Scratch, parameters: Parameters, state:
 
 def forces_at(parameters: Parameters, position: Array, workspace: Workspace) -> Array:
     """The forces on all floats (N, 2) at these positions, where the lists must be valid; kept in the workspace."""
-    bare = parameters._replace(parts=())
+    bare = with_mobile_walls(parameters, workspace.scratch)._replace(parts=())
     evaluate(parameters.parts, workspace.scratch, bare, position, workspace.lists, workspace.force)
     return workspace.force
 

@@ -12,6 +12,7 @@ import numpy as np
 
 from ecume.engine.walls import surfaces
 from ecume.models.floating.dishes import wall_stiffness, walls_of
+from ecume.models.floating.forces.barrier import fastest_barrier
 from ecume.models.floating.forces.flow_and_noise import fastest_at_nodes
 from ecume.models.floating.forces.pair_forces import law_of, row_of, two_floats
 from ecume.models.floating.options import scene_error
@@ -207,6 +208,7 @@ def step_of(parameters: Parameters, scene: FloatingScene) -> Step:
     )
     jump = NOISE_DEVIATIONS * math.sqrt(2.0 * parameters.drift.thermal * float(kick.gain.max()) * time_step)
     jump = (jump if parameters.drift.thermal > 0.0 else 0.0) + time_step * _swaying(parameters, kick)
+    jump += 2.0 * time_step * fastest_barrier(scene.dish)  # the speed of a float that rebounds from it
     drift = parameters.drift._replace(jump=jump)
     return Step(time_step, steps, kick, drift)
 
@@ -238,7 +240,7 @@ def _speeds(parameters: Parameters, scene: FloatingScene) -> float:
     drift, starts = parameters.drift, given_places(scene).velocity
     carried = _flow_speed(parameters, scene) + fastest_at_nodes(drift)
     carried += drift.sway.slip * (float(np.hypot(*drift.sway.velocity + drift.sway.turning * drift.sway.amplitude)))
-    return max(carried, float(np.hypot(starts[:, 0], starts[:, 1]).max()))
+    return max(carried, fastest_barrier(scene.dish), float(np.hypot(starts[:, 0], starts[:, 1]).max()))
 
 
 def _flow_speed(parameters: Parameters, scene: FloatingScene) -> float:

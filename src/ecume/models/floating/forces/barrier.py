@@ -1,0 +1,385 @@
+"""A barrier: a side of a rectangular dish that moves, or two that face each other, and the forces on all four sides.
+
+In a step the barrier moves at a constant velocity, which is that of its row in the contact solve: contacts stop floats
+relative to it. Its position is a function of the time, and a part of the state, as are the impulses of contacts with
+walls since the last frame. Its work on floats is the impulse of contacts times its velocity, and the change of the
+energy of its meniscus while it moves: half before the drift of the floats, half after it.
+
+A barrier that presses on a raft of hard floats has no bounded force. It stops for good where the surface pressure
+exceeds a limit, in the mean over a tenth of a radius of its way: a single collision exceeds any limit in a short step.
+It also stops where the contacts of a step have no solution: it stays where it was before that step, and so do all
+floats that touch, which the step would squeeze.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+
+from ecume._jit import compiled, compiled_inside
+from ecume.engine.cells import Integers
+from ecume.engine.walls import Walls, wall_count
+from ecume.laws import rafts
+from ecume.models.floating.dishes import acts, wall_energy, wall_force, wall_law_of
+from ecume.models.floating.options import Built, scene_error
+from ecume.models.floating.parameters import PUSHES, UNCONVERGED, WORK, Parameters, Scratch, State, Workspace, part_of
+from ecume.models.liquids import liquid_of
+from ecume.units import Array, duration_text, with_prefix
+
+if TYPE_CHECKING:
+    from ecume.scenes.floating import BarrierSpec, DishSpec, FloatingScene
+
+SIDES = ("left", "bottom", "right", "top")
+"""The sides of a rectangular dish, in the order of its walls."""
+COUNT = len(SIDES)
+SUMS = PUSHES + COUNT
+"""The impulses (N s) on the sides since the last frame, by contacts and menisci; before them those by contacts in this
+step.
+"""
+ELAPSED, PLACE, STOPPED, DONE, MEAN, LENGTH = range(SUMS + COUNT, SUMS + COUNT + 6)
+"""Indices of `State.tally`: the time since the last frame (s), the distance of the barrier from its side (m), whether
+it has stopped, its work (J), the mean pressure (N/m); and their end.
+"""
+SMOOTHING = 0.1
+"""The way over which the pressure is averaged, over the smallest radius."""
+RADII = 0.2
+"""The time scale of the motion of a barrier, in radii over its speed. A time step is a twentieth of it, so that a
+barrier stops within a hundredth of a radius of where a raft has no room.
+"""
+WIDEST_MENISCI = 5.0
+"""The least distance of facing walls, in capillary lengths: their menisci change by less than one percent there."""
+
+
+class Barrier(NamedTuple):
+    """Constants of a barrier."""
+
+    walls: Integers
+    """(K,) the numbers of the walls that move, one or two"""
+    sides: Array
+    """(4,) m: the offsets of all walls where the barrier is at its side"""
+    times: Array
+    """s: when the velocity changes"""
+    places: Array
+    """m: the distance from the side at these times"""
+    rates: Array
+    """m/s: the velocity from then on"""
+    width: float
+    """m: the length of the barrier"""
+    largest_pressure: float
+    """N/m"""
+    smoothing: float
+    """m: the way over which the pressure is averaged before it is compared with the largest one"""
+
+
+class BarrierScratch(NamedTuple):
+    """The walls in this step, and the rows of walls in the contact solve."""
+
+    offset: Array
+    """(4,) m: of the walls at present"""
+    step: Array
+    """m, m, m/s: the places of the barrier before and after this step, its velocity; and the number of steps before it
+    whose contacts did not converge"""
+    midstep_velocity: Array
+    before: Array
+    """(N + walls, 2) m/s: those of the workspace"""
+    decay: float
+    """the fraction of a velocity that remains after the drag of one kick, the least of all floats"""
+
+
+@compiled_inside
+def place_at(part: Barrier, time: float) -> float:
+    """The distance of the barrier from its side (m)."""
+    number = max(int(np.searchsorted(part.times, time, side="right")) - 1, 0)
+    since = max(time - part.times[number], 0.0)
+    return float(max(part.places[number] + part.rates[number] * since, 0.0))
+
+
+@compiled
+def put_walls(part: Barrier, offset: Array, place: float) -> None:
+    """Put the moving walls at a distance from their sides (m)."""
+    for number in part.walls:
+        offset[number] = part.sides[number] + place
+
+
+@compiled
+def menisci_of_walls(walls: Integers, parameters: Parameters, position: Array) -> float:
+    """The energy of all floats in the menisci of these walls (J)."""
+    total, strength, charge = 0.0, parameters.wall_strength, parameters.floats.charge
+    for number in walls:
+        for i in range(len(position)):
+            place = position[i, 0], position[i, 1]
+            tilted, mirrored = wall_energy(parameters, number, place, strength[number, i], charge[i])
+            total += tilted + mirrored
+    return total
+
+
+@compiled
+def add_pull_of_menisci(tally: Array, parameters: Parameters, position: Array) -> None:
+    """Add the reactions of menisci on all sides in a step to the impulses on them."""
+    strength, charge = parameters.wall_strength, parameters.floats.charge
+    for number in range(COUNT):
+        for i in range(len(position)):
+            place = position[i, 0], position[i, 1]
+            away = wall_force(parameters, number, place, strength[number, i], charge[i])[0]
+            tally[SUMS + number] += parameters.time_step * away
+
+
+@compiled
+def set_barrier_velocity(part: Barrier, scratch: BarrierScratch, parameters: Parameters, speed: float) -> None:
+    """Write the velocity of the barrier into the rows of walls. As that of a float, only what remains after drag
+    rebounds: a float that moves with the barrier does not collide with it in each step.
+    """
+    scratch.step[2], count = speed, len(parameters.floats.radius)
+    for number in part.walls:
+        for axis in range(2):
+            along = speed * parameters.walls.normal[number, axis]
+            scratch.midstep_velocity[count + number, axis] = along
+            scratch.before[count + number, axis] = scratch.decay * along
+
+
+@compiled
+def move_barrier(part: Barrier, scratch: BarrierScratch, parameters: Parameters, state: State, first: bool) -> None:
+    """Before a step, choose the velocity of the barrier; after it, add the work and the impulses of the step."""
+    tally, time = state.tally, parameters.time_step
+    if not first:
+        finish_barrier(part, scratch, parameters, state)
+        return
+    if state.step[0] % parameters.steps_per_frame == 0:
+        tally[ELAPSED] = 0.0
+        for number in range(COUNT):
+            tally[SUMS + number] = 0.0
+    for number in range(COUNT):
+        tally[PUSHES + number] = 0.0
+    here = tally[PLACE]
+    there = here if tally[STOPPED] > 0.0 else place_at(part, (state.step[0] + 1) * time)
+    scratch.step[0], scratch.step[1], scratch.step[3] = here, there, tally[UNCONVERGED]
+    set_barrier_velocity(part, scratch, parameters, (there - here) / time)
+
+
+@compiled
+def carry_barrier(
+    part: Barrier, scratch: BarrierScratch, parameters: Parameters, state: State, workspace: Workspace
+) -> None:
+    """Move the barrier, after the contacts before the drift; or stop it if these have no solution."""
+    tally, pushed = state.tally, 0.0
+    for number in part.walls:
+        pushed += tally[PUSHES + number]
+    if pushed > 0.0 and scratch.step[2] != 0.0 and tally[UNCONVERGED] > scratch.step[3]:
+        tally[STOPPED], scratch.step[1] = 1.0, scratch.step[0]
+        tally[UNCONVERGED] = scratch.step[3]
+        for number in range(COUNT):
+            tally[PUSHES + number] = 0.0
+        set_barrier_velocity(part, scratch, parameters, 0.0)
+        stop_raft(state, workspace)
+    tally[PLACE] = scratch.step[1]
+    middle = 0.5 * (scratch.step[0] + scratch.step[1])
+    add_work_of_menisci(part, scratch, parameters, state, (scratch.step[0], middle))
+    put_walls(part, scratch.offset, scratch.step[1])
+
+
+@compiled
+def stop_raft(state: State, workspace: Workspace) -> None:
+    """Stop all floats that touch in a step in which they had no room: they stay where they were."""
+    contacts, count = workspace.contacts, len(state.position)
+    for row in range(contacts.total[0]):
+        if contacts.impulse[row] > 0.0:
+            for i in (contacts.first[row], contacts.second[row]):
+                if i < count:
+                    for axis in range(2):
+                        state.velocity[i, axis] = 0.0
+                        workspace.midstep_velocity[i, axis] = 0.0
+
+
+@compiled
+def add_work_of_menisci(
+    part: Barrier, scratch: BarrierScratch, parameters: Parameters, state: State, way: tuple[float, float]
+) -> None:
+    """Add the change of the energy of the barrier's meniscus on a part of its way, with the floats at rest."""
+    if not acts(parameters) or way[0] == way[1]:
+        return
+    put_walls(part, scratch.offset, way[0])
+    before = menisci_of_walls(part.walls, parameters, state.position)
+    put_walls(part, scratch.offset, way[1])
+    work = menisci_of_walls(part.walls, parameters, state.position) - before
+    state.tally[WORK] += work
+    state.tally[DONE] += work
+
+
+@compiled
+def finish_barrier(part: Barrier, scratch: BarrierScratch, parameters: Parameters, state: State) -> None:
+    """Add the work and the impulses of a step."""
+    tally, there = state.tally, scratch.step[1]
+    add_work_of_menisci(part, scratch, parameters, state, (0.5 * (scratch.step[0] + there), there))
+    if acts(parameters):
+        add_pull_of_menisci(tally, parameters, state.position)
+    for number in range(COUNT):
+        tally[SUMS + number] += tally[PUSHES + number]
+    pushed = 0.0
+    for number in part.walls:
+        pushed += tally[PUSHES + number]
+    tally[DONE] += scratch.step[2] * pushed
+    tally[WORK] += scratch.step[2] * pushed
+    tally[ELAPSED] += parameters.time_step
+    moved = abs(scratch.step[1] - scratch.step[0])
+    pressure = pushed / (parameters.time_step * part.width * len(part.walls))
+    tally[MEAN] += moved / (moved + part.smoothing) * (pressure - tally[MEAN])
+    if tally[MEAN] > part.largest_pressure:
+        tally[STOPPED] = 1.0
+
+
+def no_barrier_energy(
+    part: Barrier, scratch: Any, parameters: Parameters, state: State, workspace: Workspace
+) -> tuple[float, float]:
+    """Return zero: the menisci of walls belong to the pair law, wherever the walls are."""
+    return 0.0, 0.0
+
+
+def with_barrier(part: Barrier, state: State) -> State:
+    """Return the state with the barrier at its place at the start."""
+    tally = np.zeros(LENGTH)
+    tally[: WORK + 1] = state.tally[: WORK + 1]
+    tally[PLACE] = place_at(part, 0.0)
+    return state._replace(tally=tally)
+
+
+def make_barrier_scratch(part: Barrier, parameters: Parameters, state: State, workspace: Workspace) -> BarrierScratch:
+    """Return the workspace, with the walls where the state has them."""
+    offset, place = part.sides.copy(), float(state.tally[PLACE])
+    put_walls(part, offset, place)
+    decay = float(parameters.kick.decay.min())
+    return BarrierScratch(
+        offset, np.array([place, place, 0.0, 0.0]), workspace.midstep_velocity, workspace.before, decay
+    )
+
+
+def with_mobile_walls(parameters: Parameters, scratches: Scratch) -> Parameters:
+    """The parameters with walls that move in the course of steps, where the scene has a barrier."""
+    for part, own in zip(parameters.parts.interactions, scratches.interactions, strict=True):
+        if isinstance(part, Barrier):
+            return parameters._replace(walls=parameters.walls._replace(offset=own.offset))
+    return parameters
+
+
+def with_walls_of(parameters: Parameters, state: State) -> Parameters:
+    """The parameters with the walls where they are in this state."""
+    part = part_of(parameters, Barrier)
+    if part is None:
+        return parameters
+    offset = part.sides.copy()
+    put_walls(part, offset, float(state.tally[PLACE]))
+    return parameters._replace(walls=parameters.walls._replace(offset=offset))
+
+
+def barrier_numbers(part: Barrier, state: State) -> dict[str, tuple[float, str]]:
+    """The place of the barrier, the mean forces on all sides since the last frame, outward, and the work so far."""
+    tally = state.tally.tolist()
+    time = tally[ELAPSED]
+    force = [tally[SUMS + number] / time if time > 0.0 else 0.0 for number in range(COUNT)]
+    moving = [force[number] for number in part.walls]
+    return {
+        "barrier_position": (tally[PLACE], "m"),
+        "surface_pressure": (sum(moving) / (len(moving) * part.width), "N/m"),
+        "barrier_work": (tally[DONE], "J"),
+        "barrier_stopped": (tally[STOPPED], "1"),
+        **{f"force_on_{side}": (each, "N") for side, each in zip(SIDES, force, strict=True)},
+    }
+
+
+# --- From a scene
+
+
+def motion_of(barrier: BarrierSpec) -> tuple[Array, Array, Array]:
+    """The times (s) at which the velocity changes, the places then (m), and the velocities from then on (m/s)."""
+    if barrier.velocity is None:
+        times, places = np.array(barrier.times), np.array(barrier.positions)
+        return times, places, np.append(np.diff(places) / np.diff(times), 0.0)
+    speed = barrier.velocity
+    stop = 0.0 if barrier.stop is None and speed < 0.0 else barrier.stop
+    if stop is None or speed == 0.0:
+        return np.zeros(1), np.array([barrier.start]), np.array([speed])
+    end = (stop - barrier.start) / speed
+    if end == 0.0:
+        return np.zeros(1), np.array([stop]), np.zeros(1)
+    return np.array([0.0, end]), np.array([barrier.start, stop]), np.array([speed, 0.0])
+
+
+def fastest_barrier(dish: DishSpec | None) -> float:
+    """The highest speed of a barrier (m/s)."""
+    if dish is None or dish.barrier is None:
+        return 0.0
+    return float(np.abs(motion_of(dish.barrier)[2]).max())
+
+
+def _moving(barrier: BarrierSpec) -> list[int]:
+    number = SIDES.index(barrier.side)
+    return sorted({number, (number + 2) % COUNT}) if barrier.both else [number]
+
+
+def walls_at_start(walls: Walls, dish: DishSpec | None) -> Walls:
+    """The walls at the start of a scene. Raises SceneError for other dishes than a rectangle."""
+    if dish is None or dish.barrier is None:
+        return walls
+    if wall_count(walls) != COUNT or walls.disc_radius < math.inf:
+        raise scene_error("dish.barrier", f"got a dish of the shape {dish.shape!r}; expected a rectangle")
+    offset, places = walls.offset.copy(), motion_of(dish.barrier)[1]
+    offset[_moving(dish.barrier)] += places[0]
+    return walls._replace(offset=offset)
+
+
+def barrier_of(parameters: Parameters, scene: FloatingScene) -> Built:
+    """The barrier of a scene. Raises SceneError if it leaves too little room."""
+    dish = scene.dish
+    assert dish is not None  # noqa: S101  # for the type checker: the scene has chosen it
+    assert dish.barrier is not None  # noqa: S101
+    assert dish.size is not None  # noqa: S101
+    barrier, moving = dish.barrier, _moving(dish.barrier)
+    along = 0 if barrier.side in ("left", "right") else 1
+    sides = np.array([-0.5 * dish.size[0], -0.5 * dish.size[1]] * 2)
+    limit = barrier.largest_pressure
+    if limit is None:
+        limit = rafts.buckling_pressure(liquid_of(scene), 2.0 * float(parameters.floats.radius.max()))
+    motion = motion_of(barrier)
+    smoothing = SMOOTHING * float(parameters.floats.radius.min())
+    part = Barrier(np.array(moving), sides, *motion, float(dish.size[1 - along]), limit, smoothing)
+    _require_room(part, parameters, scene, float(dish.size[along]))
+    fastest = fastest_barrier(dish)
+    return Built(part, RADII * float(parameters.floats.radius.min()) / fastest if fastest > 0.0 else math.inf)
+
+
+def farthest_place(part: Barrier, duration: float) -> float:
+    """The farthest place of the barrier until this time (m)."""
+    reached = part.places[part.times <= duration]
+    return float(max(reached.max(initial=0.0), place_at(part, duration)))
+
+
+def _require_room(part: Barrier, parameters: Parameters, scene: FloatingScene, length: float) -> None:
+    """Raise SceneError if the floats cannot fit between the barrier and the other side, or if menisci overlap."""
+    farthest, largest = farthest_place(part, scene.duration), 2.0 * float(parameters.floats.radius.max())
+    key = "dish.barrier.positions" if not scene.dish.barrier.velocity else "dish.barrier.stop"  # type: ignore[union-attr]
+    left, covered = length - len(part.walls) * farthest, math.pi * float(np.sum(parameters.floats.radius**2))
+    got = f"the barrier leaves {with_prefix(max(left, 0.0), 'm', 3)} of the dish's {with_prefix(length, 'm', 3)}"
+    most = (length - max(covered / part.width, largest)) / len(part.walls)
+    if left * part.width < covered or left < largest:
+        at_most = with_prefix(max(most, 0.0), "m", 3)
+        raise scene_error(key, f"{got}, where the floats do not fit; expected at most {at_most} from its side")
+    apart = WIDEST_MENISCI * float(liquid_of(scene).capillary_length)
+    if wall_law_of(scene) and left < apart:
+        least = with_prefix(apart, "m", 3)
+        raise scene_error(
+            key, f"{got}, where the menisci of both sides would be one; expected at least {least} "
+            f"({WIDEST_MENISCI:g} capillary lengths), or dish.law = 'none'"
+        )  # fmt: skip
+
+
+def barrier_lines(part: Barrier, parameters: Parameters) -> list[tuple[str, str, str]]:
+    """The rows of `ecume check`: the motion of the barrier, and the pressure at which it stops."""
+    names = " and ".join(SIDES[number] for number in part.walls)
+    fastest, last = float(np.abs(part.rates).max()), float(part.times[-1])
+    start, end = (with_prefix(float(place), "m", 3) for place in part.places[[0, -1]])
+    until = f"to {end} at {duration_text(last)}" if len(part.times) > 1 else "to the end"
+    return [
+        ("barrier", names, f"at most {with_prefix(fastest, 'm/s', 3)}; from {start} {until}"),
+        ("largest pressure", with_prefix(part.largest_pressure, "N/m", 3), "where the barrier stops for good"),
+    ]
