@@ -323,8 +323,9 @@ export class Stage {
       const place = instant.position.subarray(d * i, d * i + d);
       const seen = onCanvas(eye, place);
       const apart = Math.hypot((seen[0] - x) * this.aspect, seen[1] - y);
-      const radius = (2 * (instant.arrays["radius"]?.[i] ?? this.run.header.radius)) / (eye.pixel * this.canvas.height);
-      if (apart > Math.max(radius, 0.012)) continue;
+      const own = instant.arrays["radius"]?.[i] ?? this.run.header.radius;
+      const radius = (2 * own) / (eye.pixel * this.canvas.height);
+      if (!own || apart > Math.max(radius, 0.012)) continue; // of radius 0 are those that have left
       const rank = d === 3 ? seen[2] : apart;
       if (rank < nearest) [best, nearest] = [i, rank];
     }

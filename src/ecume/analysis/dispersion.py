@@ -152,6 +152,13 @@ def deposited(frame: Frame, wall: int | None = None) -> Flags:
     return np.asarray(left >= openings if wall is None else left == openings + walls.index(wall))
 
 
+def present(frame: Frame) -> Flags:
+    """Flags (N,) of the particles that are inside or on a wall that holds them: those that pictures show. Frames
+    without a record of what has left have all.
+    """
+    return inside(frame) | deposited(frame) if "left" in frame.arrays else inside(frame)
+
+
 class Deposition(NamedTuple):
     """Particles on walls, by place."""
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from matplotlib.figure import Figure
 
-from ecume.analysis.dispersion import deposited
+from ecume.analysis.dispersion import present
 from ecume.analysis.series import inside, number, series, times
 from ecume.engine.walls import Surfaces
 from ecume.errors import BadInput
@@ -56,7 +56,7 @@ class TracersTank(Tank):
     """A tank whose particles vanish when they leave through an opening; those that adhere to walls remain."""
 
     def _fill(self, frame: Frame) -> None:
-        there = inside(frame) | deposited(frame)
+        there = present(frame)
         super()._fill(frame.with_arrays({name: array[there] for name, array in frame.arrays.items()}))
 
 

@@ -178,3 +178,21 @@ def test_one_peak_does_not_pale_all_others():
 def test_places_are_where_arrays_of_the_browser_may_begin():
     places = pack(frames(particles=5), PLAIN).header["places"].values()
     assert all(place["offset"] % 4 == 0 for place in places)
+
+
+def test_tracers_that_left_are_not_drawn_nor_set_the_range_of_colors_and_those_on_walls_remain():
+    """Opening 0 and, after it in `left`, a wall that holds particles."""
+    numbers = {"left_through_opening_0": 0.0, "deposited_on_wall_1": 0.0}
+    given = [
+        frame.with_arrays({**frame.arrays, "speed": np.array([9.0, *np.linspace(1.0, 2.0, 6)]),
+                           "left": np.array([0, 1, *[-1] * 5]) if number else np.full(7, -1)})._replace(numbers=numbers)
+        for number, frame in enumerate(frames(2))
+    ]  # fmt: skip
+    chunk = pack(given, PLAIN)
+    radius = unpacked(chunk, "array/radius").reshape(2, 7)
+    whole = given[0].arrays["radius"]
+    step = (whole.max() - 0.0) / STEPS
+    assert radius[0] == pytest.approx(whole, abs=step)
+    assert radius[1] == pytest.approx([0.0, *whole[1:]], abs=step)
+    assert chunk.header["counts"] == [7, 7], "each particle keeps its number"
+    assert pack(given[1:], PLAIN).header["scales"]["array/speed"][1] < 2.1

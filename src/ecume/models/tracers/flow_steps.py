@@ -16,6 +16,7 @@ from ecume.models.tracers import time_stepping
 from ecume.models.tracers.energy_budget import work_of_drifts, work_of_noise
 from ecume.models.tracers.flow_forces import add_forces, work_of_forces
 from ecume.models.tracers.flow_loops import Loops, loops_for
+from ecume.models.tracers.noise_at_walls import accept_flights, reflect_noise
 from ecume.models.tracers.parameters import ADDED_MASS, Parameters, State, Workspace
 from ecume.models.tracers.place_diffusion import Surroundings, diffuse, set_hindrances, set_settling, sink
 from ecume.models.tracers.time_stepping import (
@@ -26,7 +27,6 @@ from ecume.models.tracers.time_stepping import (
     inflow_due,
     move_with,
     plan_steps,
-    reflect_noise,
     select_regime,
     wrap,
 )
@@ -115,6 +115,7 @@ def _noisy_step(plain: Parameters, state: State, scratch: Workspace, flowing: Fl
     add_up(scratch.status, scratch.travel, scratch.noise, scratch.travel)
     reflect_noise(plain, state, scratch)
     well = move_with(plain, state, scratch, when[1], plain.mirroring)
+    accept_flights(plain, state, scratch)
     state.work[0] += work_of_noise(plain, state, scratch, when[1])
     return _finished(plain, state, scratch, flowing) and well
 

@@ -498,7 +498,7 @@ class Workspace(NamedTuple):
     noise: Array
     """(N, d) the thermal part of `kick`"""
     shift: Array
-    """(N, d) the thermal part of the displacement"""
+    """(N, d) the thermal part of the displacement; without inertia that by the drift"""
     external: Array
     """(N, d) m/s^2: the acceleration by laws of the user"""
     flow: Array

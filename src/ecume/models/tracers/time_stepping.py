@@ -1,9 +1,8 @@
 """Time integration of tracers.
 
 With inertia, a step is exact without walls, and a parabola between collisions. Without inertia and noise, a step is two
-halves of a drift that stops at walls. With noise it is drift and diffusion together, reflected at walls by Lepingle's
-scheme. This is exact for flat walls and a constant drift at any time step, so that the layer of settling particles is
-right down to contact [lepingle1995].
+halves of a drift that stops at walls. With noise it is drift and diffusion together, reflected at walls
+(`noise_at_walls`).
 """
 
 from __future__ import annotations
@@ -14,15 +13,15 @@ import numpy as np
 
 from ecume._jit import admit, compiled, compiled_inside, selection
 from ecume.engine.cells import Integers
-from ecume.engine.philox import counter_of, counter_of_pair, normals, uniforms
+from ecume.engine.philox import counter_of, normals
 from ecume.engine.walls import Sheet, reflect_all
-from ecume.engine.walls.sheets import Vector, axpy, dot, hole_at, inward_normal, load, piece_gap, scaled, store
 from ecume.laws import brownian_motion, drag
 from ecume.models.law_codes import codes
 from ecume.models.model import DIVERGED, DONE, EXCHANGE
 from ecume.models.tracers import drag_laws
 from ecume.models.tracers.drag_laws import DRAGS, DragChoice
 from ecume.models.tracers.energy_budget import INACTIVE, has_budget, work_of_drifts, work_of_flights, work_of_noise
+from ecume.models.tracers.noise_at_walls import accept_flights, reflect_noise
 from ecume.models.tracers.parameters import CAPPED, Parameters, State, Workspace
 from ecume.units import Array
 
@@ -228,68 +227,13 @@ def diffusive_step(
                 scratch.travel[i, axis] += scratch.noise[i, axis]
     reflect_noise(parameters, state, scratch)
     well = move_with(parameters, state, scratch, h, parameters.mirroring)
+    accept_flights(parameters, state, scratch)
     state.work[0] += work_of_noise(parameters, state, scratch, h)
     select_regime(scratch.status, state.left, bodies.overdamped, 1)
     plan_drifts(state.position, bodies.settling, scratch.status, 0.0, flow, scratch.travel, scratch.flow)
     add_drifts(bodies.mass, bodies.friction, scratch.status, scratch.external, scratch.travel)
     store_drift_velocities(state, scratch)
     return well
-
-
-@compiled
-def reflect_noise(parameters: Parameters, state: State, scratch: Workspace) -> None:
-    """Add the reflection of the noise at walls and obstacles to the velocities (`brownian_motion.reflected_gain`).
-
-    The random number of a wall is the component along its normal of two random vectors. Perpendicular walls then have
-    independent numbers, which is exact, and nearly parallel walls, such as the facets of a round basin, nearly equal
-    ones, since the same noise leads to both.
-    """
-    sheet, h, thermal = parameters.mirroring, parameters.time_step, parameters.fluid.thermal
-    kind, number, hole, part = sheet.kind, sheet.number, sheet.hole, sheet.part
-    for i in range(len(scratch.status)):
-        if scratch.status[i] != 0:
-            continue
-        variance, radius = (
-            2.0 * brownian_motion.diffusivity(thermal, parameters.bodies.friction[i]) * h,
-            scratch.radius[i],
-        )
-        x, free = load(state.position, i), scaled(h, load(scratch.travel, i))
-        k, piece, way, pushed, drawn, one, other = 0, 0, free, False, False, x, x
-        while k < kind.shape[0]:
-            before, nearest, following = piece_gap(kind, number, k, x, 0.0)
-            after = piece_gap(kind, number, k, axpy(x, 1.0, way), 0.0)[0] - radius
-            unhindered = piece_gap(kind, number, k, axpy(x, 1.0, free), 0.0)[0] - radius if pushed else after
-            gap, k, piece = max(before - radius, 0.0), following, piece + 1
-            # Paths from farther away reach the wall with a probability below exp(-40).
-            if after > 0.0 and gap * min(after, unhindered) > 20.0 * variance:
-                continue
-            normal = inward_normal(kind, number, nearest, x, 0.0)
-            share = min(gap / (gap - after), 1.0) if after < 0.0 else 0.5
-            foot = axpy(axpy(x, share, way), -radius if after < 0.0 else -0.5 * (gap + after) - radius, normal)
-            if hole_at(hole, part, number, nearest, (foot, 0.0)) >= 0:
-                # The path may touch the opening between the ends of the step; the particle then stays in it.
-                touched = uniforms(counter_of_pair(i, piece + 2, int(state.step[0]), 0), parameters.seed)[0]
-                if after > 0.0 and touched < math.exp(-2.0 * gap * after / variance):
-                    way, pushed = axpy(way, -after - 1e-6 * radius, normal), True
-                continue
-            if not drawn:
-                one, other = random_vectors(i, int(state.step[0]), parameters.seed)
-                drawn = True
-            exponential = 0.5 * (dot(one, normal) ** 2 + dot(other, normal) ** 2)
-            end = brownian_motion.reflected_gain(unhindered - gap, variance, exponential)
-            if end > after:
-                way, pushed = axpy(way, end - after, normal), True
-                state.hits[nearest] += 1
-        store(scratch.travel, i, scaled(1.0 / h, way))
-
-
-@compiled_inside
-def random_vectors(i: int, step: int, seed: int) -> tuple[Vector, Vector]:
-    """Two vectors of normal numbers for the reflections of a particle in a step."""
-    first, second = normals(counter_of_pair(i, 0, step, 0), seed)
-    third, fourth = normals(counter_of_pair(i, 1, step, 0), seed)
-    fifth, sixth = normals(counter_of_pair(i, 2, step, 0), seed)
-    return (first, second, third), (fourth, fifth, sixth)
 
 
 @compiled

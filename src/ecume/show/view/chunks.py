@@ -8,6 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from ecume.analysis.dispersion import present
 from ecume.show.tank import RARE
 from ecume.show.view.scenery import Links, Stage
 from ecume.trajectories.frame import Frame
@@ -131,12 +132,15 @@ def moves(steps: Numbers) -> bytes:
 
 def shown(frame: Frame, stage: Stage) -> Frame:
     """A frame with derived arrays. Floats with a shape are drawn as outlines around discs, whose radius stands for that
-    of the circle around.
+    of the circle around. Tracers that have left keep their numbers, and have the radius 0, which is not drawn.
     """
     frame = frame if stage.derived is None else stage.derived(frame)
-    if stage.inner is None:
-        return frame
-    return frame.with_arrays({**frame.arrays, "radius": stage.inner})
+    if stage.inner is not None:
+        return frame.with_arrays({**frame.arrays, "radius": stage.inner})
+    if "left" in frame.arrays and not (there := present(frame)).all():
+        radius = np.where(there, frame.arrays.get("radius", stage.radius), 0.0)
+        return frame.with_arrays({**frame.arrays, "radius": radius})
+    return frame
 
 
 def quantities(frame: Frame) -> dict[str, Numbers]:
@@ -177,10 +181,9 @@ def _quantities(packing: _Packing, frames: Sequence[Frame], stage: Stage) -> lis
 
 
 def _colored(frame: Frame, stage: Stage) -> Numbers:
-    """The values that determine the range of colors: all except those of particles with separate colors."""
-    if stage.apart is None:
-        return np.ones(len(frame.arrays["position"]), bool)
-    return frame.arrays["species"] < stage.apart
+    """The values that determine the range of colors: all except those of particles with separate colors or gone."""
+    there = present(frame)
+    return there if stage.apart is None else there & (frame.arrays["species"] < stage.apart)
 
 
 def _numbers(packing: _Packing, frames: Sequence[Frame]) -> None:

@@ -1,0 +1,133 @@
+"""Brownian tracers where walls meet at any angle, at curved walls and at the edges of obstacles."""
+
+import math
+
+import numpy as np
+import pytest
+from scipy.spatial import ConvexHull
+
+from ecume.engine.walls import clearance
+from ecume.laws import brownian_motion
+from ecume.models.tracers.noise_at_walls import acceptance, in_corner
+from ecume.models.tracers.record import checked_parameters
+from ecume.models.tracers.tank import surfaces_of
+from ecume.scenes.schema import from_plain
+from ecume.simulation import simulate
+
+SIZE, RADIUS, EXCESS = 1e-5, 1e-7, 1000.0
+THERMAL = brownian_motion.thermal_energy(293.15)
+SPREAD = brownian_motion.diffusivity(THERMAL, 6.0 * math.pi * 1e-3 * RADIUS)
+SIGMA = 0.06
+"""The standard deviation of a step, over the size."""
+COUNT, FRAMES, STEPS = 4000, 6, 6
+
+
+def shaped(tank, obstacles, length, seed):
+    """A scene whose particles start in equilibrium, and places in equilibrium: uniform, or with a length of settling
+    over the size.
+    """
+    step = (SIGMA * SIZE) ** 2 / (2.0 * SPREAD)
+    weight = 4.0 / 3.0 * math.pi * RADIUS**3 * EXCESS
+    plain = {
+        "model": "tracers", "duration": FRAMES * STEPS * step, "frame_every": STEPS * step, "seed": seed,
+        "gravity": THERMAL / (length * SIZE * weight) if length else 0.0, "tank": tank, "obstacles": obstacles,
+        "liquid": {"density": 1000.0, "viscosity": 1e-3, "temperature": 293.15},
+        "integration": {"time_step": step, "integrator": "overdamped"},
+        "hydrodynamics": {"brownian": True, "drag": "stokes"},
+    }  # fmt: skip
+    dice, one = np.random.default_rng(seed), [{"radius": RADIUS, "density": 1000.0 + EXCESS, "count": 1}]
+    surfaces = surfaces_of(from_plain({**plain, "particles": one}))
+    places = dice.uniform(-1.5 * SIZE, 1.5 * SIZE, (1_500_000, 2))
+    places = places[clearance(places, surfaces)[0] >= RADIUS]
+    if length:
+        fall = places[:, 1] - places[:, 1].min()
+        places = places[dice.uniform(size=len(places)) < np.exp(-fall / (length * SIZE))]
+    start, rest = places[:COUNT].tolist(), places[COUNT:]
+    grains = [{"radius": RADIUS, "density": 1000.0 + EXCESS, "positions": start}]
+    return from_plain({**plain, "particles": grains}), rest, surfaces
+
+
+def shares_near(corners, scene, rest, surfaces):
+    """Shares of particles within steps of the corners, those in equilibrium, and their standard errors."""
+    frames = [frame.arrays["position"] for frame in simulate(scene)][1:]
+    found = np.concatenate(frames)
+    assert (clearance(found, surfaces)[0] >= RADIUS * (1.0 - 1e-9)).all()
+    far = [np.min([np.hypot(*(some - corner).T) for corner in corners], axis=0) for some in (found, rest)]
+    reach = SIGMA * SIZE * np.array([1.0, 2.0, 4.0])
+    share, exact = (np.array([np.mean(away < each) for each in reach]) for away in far)
+    return share, exact, np.sqrt(exact * (1.0 / len(found) + 1.0 / len(rest)) * (1.0 + 0.5 * reach / reach[0]))
+
+
+def wedge(angle):
+    """A corner of an angle in degrees at the origin."""
+    x, y = SIZE * math.cos(0.5 * math.radians(angle)), SIZE * math.sin(0.5 * math.radians(angle))
+    return (
+        [(0.0, 0.0), (x, -y), (x, y)] if angle < 130 else [(0.0, 0.0), (x, -y), (x + SIZE, -y), (x + SIZE, y), (x, y)]
+    )
+
+
+@pytest.mark.compiled
+@pytest.mark.parametrize("length", [0.0, 0.3])
+@pytest.mark.parametrize("angle", [20, 75, 150])
+def test_the_density_in_a_corner_of_any_angle_is_that_of_equilibrium(angle, length):
+    scene, rest, surfaces = shaped({"vertices": wedge(angle)}, [], length, angle)
+    apex = (RADIUS / math.sin(0.5 * math.radians(angle)), 0.0)
+    share, exact, error = shares_near([apex], scene, rest, surfaces)
+    assert (abs(share - exact) < 4.0 * error).all()
+
+
+@pytest.mark.compiled
+@pytest.mark.parametrize("seed", range(3))
+def test_random_shapes_keep_their_equilibrium_at_corners_of_walls_and_obstacles(seed):
+    dice = np.random.default_rng(seed)
+    cloud = dice.uniform(-1.2, 1.2, (6, 2))
+    tank = SIZE * cloud[ConvexHull(cloud).vertices]
+    body = tank.mean(axis=0) + 0.25 * SIZE * np.array(
+        [(math.cos(a), math.sin(a)) for a in (seed, seed + 2.5, seed + 4.0)]
+    )
+    scene, rest, surfaces = shaped(
+        {"vertices": tank.tolist()}, [{"vertices": body.tolist()}], (0.0, 0.4, 0.25)[seed], seed
+    )
+    share, exact, error = shares_near([*tank, *body], scene, rest, surfaces)
+    assert (abs(share - exact) < 4.0 * error).all()
+
+
+@pytest.mark.compiled
+@pytest.mark.parametrize("length", [0.0, 0.4])
+def test_a_round_tank_and_a_round_obstacle_keep_the_equilibrium_beside_them(length):
+    inner, outer = 0.3 * SIZE, SIZE
+    scene, rest, surfaces = shaped({"radius": outer}, [{"center": [0.2 * SIZE, 0.0], "radius": inner}], length, 5)
+    found = np.concatenate([frame.arrays["position"] for frame in simulate(scene)][1:])
+    for reach in (0.5 * SIGMA * SIZE, SIGMA * SIZE):
+        share, exact = (np.mean(clearance(some, surfaces)[0] < RADIUS + reach) for some in (found, rest))
+        assert share == pytest.approx(exact, abs=5.0 * math.sqrt(exact * (1.0 / len(found) + 1.0 / len(rest))))
+
+
+def test_corners_are_where_walls_meet_that_are_not_at_right_angles():
+    box = {"high": [SIZE, SIZE]}
+    block = [{"low": [0.4 * SIZE, 0.4 * SIZE], "high": [0.6 * SIZE, 0.6 * SIZE]}]
+    base = {"model": "tracers", "duration": 1.0, "frame_every": 1.0, "hydrodynamics": {"brownian": True},
+            "integration": {"integrator": "overdamped"}, "tank": box,
+            "particles": [{"radius": RADIUS, "density": 1000.0, "count": 1}]}  # fmt: skip
+    sheet = checked_parameters(from_plain(base | {"obstacles": block})).mirroring
+    sizes, still = (RADIUS, 0.01 * SIZE), (0.0, 0.0, 0.0)
+
+    def there(x, y, drift=still, sheet=sheet, sizes=sizes):
+        return in_corner(sheet, (x * SIZE, y * SIZE, 0.0), drift, sizes)
+
+    assert not there(0.02, 0.02), "two walls at a right angle"
+    assert not there(0.5, 0.63), "one face of an obstacle"
+    assert there(0.59, 0.63), "an edge of it"
+    assert there(0.63, 0.63)
+    assert there(0.02, 0.5, sizes=(RADIUS, 0.1 * SIZE)), "walls on both sides"
+    assert not there(0.59, 0.63, (0.0, 0.006 * SIZE, 0.0)), "a layer thinner than the noise"
+    held = checked_parameters(from_plain(base | {"obstacles": [block[0] | {"sticking": True}]})).mirroring
+    assert not there(0.59, 0.63, sheet=held), "a face that holds particles"
+
+
+def test_flights_without_collisions_and_along_walls_are_accepted_and_those_up_a_wall_by_their_weight():
+    drift, variance = (0.0, -0.2, 0.0), 1.0
+    assert acceptance(drift, (0.3, 0.5, 0.0), (0.3, 0.5, 0.0), variance) == 1.0
+    # Mirrored by a floor: the velocities at the ends cancel along its normal.
+    assert acceptance(drift, (0.3, 0.5, 0.0), (0.3, 0.0, 0.0), variance) == pytest.approx(math.exp(-0.2))
+    assert acceptance(drift, (0.3, -0.5, 0.0), (0.3, 0.0, 0.0), variance) == 1.0
