@@ -227,11 +227,11 @@ READERS = {
         lambda here, n: text_at(here, "p.json", written({f"k{k}": k for k in range(n)}, here / "p.json")),
         lambda path: json_at(path, dict),
     ),
-    "surface": (4000, surface, lambda content: _triangles(content, None)),
-    "drawing": (4000, drawing, lambda content: _vertices(content, None)),
+    "surface": (1500, surface, lambda content: _triangles(content, None)),
+    "drawing": (1500, drawing, lambda content: _vertices(content, None)),
     "dcd": (400, dcd_of, all_frames(dcd)),
     "foreign gsd": (150, gsd_of, all_frames(foreign_gsd)),
-    "experiment": (4000, lambda here, n: text_at(here, "e.csv", "time [s],p [Pa]\n" + "1.0,2.0\n" * n), read_measured),
+    "experiment": (2000, lambda here, n: text_at(here, "e.csv", "time [s],p [Pa]\n" + "1.0,2.0\n" * n), read_measured),
 }
 GROWTH = 4
 """Times the size."""

@@ -194,8 +194,7 @@ def test_the_originals_force_is_right_for_equal_floats_until_they_touch():
     assert not np.any(one_sided((1300.0, 1300.0), 2e-3)[2].force)
 
 
-@pytest.mark.long
-@pytest.mark.compiled
+@pytest.mark.uncompiled  # the template of this theory is compiled anyway: see tests/compiling.py
 def test_the_originals_scene_runs_and_its_unlike_pair_moves_off_by_itself():
     from ecume.simulation import simulate
 
