@@ -55,6 +55,19 @@ Velocities
 5 0 0 0 0 0 0
 7 0.5 0 0 0 0 0
 """
+DUMP = """\
+ITEM: TIMESTEP
+0
+ITEM: NUMBER OF ATOMS
+2
+ITEM: BOX BOUNDS pp pp pp
+0 20
+-5 5
+-0.5 0.5
+ITEM: ATOMS id type x y z radius
+1 A 1 2 0 1
+2 B 5 2 0 1.5
+"""
 FLOATS = """\
 model = "floating"
 duration = "1 s"
@@ -249,6 +262,19 @@ def test_a_tank_starts_from_particles_with_masses(folder: Path) -> None:
         ("start.data", LAMMPS.replace("9.5", "inf"), "start.data, line 19: got 'inf'; expected a number"),
         ("start.data", LAMMPS.replace("Atoms", "Bonds"), "'start.data' has no section Atoms"),
         ("start.data", LAMMPS.replace("7 0.5", "8 0.5"), "line 25: got '8 0.5 0 0 0 0 0'; expected an atom's id"),
+        ("start.data", LAMMPS.replace("5 1 2.0", "3 1 2.0"), "line 19: got the id 3 for the second time"),
+        ("start.data", LAMMPS.split("\n7 1 2.0")[0] + "\n", "line 15: got no atoms; expected one or more"),
+        ("start.data", LAMMPS.replace("0 20 xlo", "20 0 xlo"), "got a box with the sides -20, 10 and 1"),
+        (
+            "start.xyz",
+            XYZ.replace("species:S", "id:I:1:species:S")
+            .replace("A 1", "1 A 1")
+            .replace("B 5", "1 B 5")
+            .replace("A 9.5", "2 A 9.5"),
+            "line 8: got the id 1 for the second time",
+        ),
+        ("start.dump", DUMP.replace("\n2 ", "\n1 "), "start.dump, line 11: got the id 1 for the second time"),
+        ("start.dump", DUMP.replace("0 20", "20 0"), "got a box with the sides -20, 10 and 1; expected positive ones"),
         ("start.gsd", "no GSD file", "'start.gsd' cannot be read: not a GSD file, or its beginning is damaged"),
         ("start.gsd", None, "'start.gsd' does not exist"),
         ("../start.gsd", None, "'../start.gsd' leads out of the scene's folder"),
@@ -264,6 +290,24 @@ def test_a_fault_of_a_file_names_it_and_its_line(folder: Path, file: str, text: 
     (fault,) = faults(folder, FLOATS.format(file=file, more=""))
     assert fault.startswith("start_from.file: ")
     assert message in fault
+
+
+@pytest.mark.parametrize("box", [[np.nan, 10, 1, 0, 0, 0], [20, np.inf, 1, 0, 0, 0], [20, -10, 1, 0, 0, 0]])
+@pytest.mark.parametrize(
+    "text", [FLOATS.format(file="start.gsd", more=""), TRACERS.format(file="start.gsd", height="")]
+)
+def test_a_box_that_no_system_has_is_refused(folder: Path, box: list[float], text: str) -> None:
+    """NaN passes each comparison with the periods of a tank."""
+    hoomd(folder / "start.gsd", box=box)
+    (fault,) = faults(folder, text)
+    assert fault.startswith("start_from.file: start.gsd, got a box with the sides")
+
+
+def test_a_box_without_area_is_none(folder: Path) -> None:
+    (folder / "start.xyz").write_text(XYZ.replace("20 0 0 0 10 0 0 0 1", "0 0 0 0 0 0 0 0 0"))
+    assert xyz.read((folder / "start.xyz").read_text()).sides is None
+    hoomd(folder / "start.gsd", box=[0, 0, 0, 0, 0, 0])
+    assert gsd_files.read(folder / "start.gsd").sides is None
 
 
 def test_a_damaged_gsd_file_gives_faults_and_no_crash(folder: Path) -> None:

@@ -11,11 +11,13 @@ from numpy.typing import NDArray
 from ecume.trajectories.foreign.particles import (
     FileFault,
     Particles,
+    box_of,
     frame_number,
     instant_of,
     number,
     numbered,
     require_count,
+    require_different,
     whole,
 )
 
@@ -164,10 +166,11 @@ def _particles(table: Table) -> Particles:
         raise FileFault(f"got the columns {' '.join(table.columns)[:60]}; expected x y z or xs ys zs", table.line - 1)
     if "s" in columns[0]:
         position = low + position @ lattice.T
-    x, y, z = lattice.diagonal().tolist()
+    sides = np.abs(lattice.diagonal()) if len(table.box[0]) > AXES else lattice.diagonal()  # edges point anywhere
     tilt = float(np.abs(lattice - np.diag(lattice.diagonal())).max())
     return Particles(
-        names, kind[len(names) :], position, velocity, diameter, given["mass"], density, (x, y, z), tilt,
+        names, kind[len(names) :], position, velocity, diameter, given["mass"], density,
+        box_of(sides.tolist()), tilt,
         _images(table, place_of, order, columns), table.instant, table.timed,
     )  # fmt: skip
 
@@ -175,7 +178,10 @@ def _particles(table: Table) -> Particles:
 def _order(table: Table, place_of: Mapping[str, int]) -> NDArray[np.int64]:
     """The rows in the order of ids: a dump holds them in any order."""
     ids = _column(table, place_of, "id", np.arange(len(table.rows)))
-    return np.arange(len(table.rows)) if ids is None else np.argsort(ids, kind="stable")
+    if ids is None:
+        return np.arange(len(table.rows))
+    require_different(ids, table.line)
+    return np.argsort(ids, kind="stable")
 
 
 def _lattice(box: Sequence[Sequence[float]]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:

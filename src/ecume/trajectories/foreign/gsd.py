@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ecume.errors import StorageError
-from ecume.trajectories.foreign.particles import MOST_PARTICLES, Particles, frame_number
+from ecume.trajectories.foreign.particles import MOST_PARTICLES, Particles, box_of, frame_number
 from ecume.trajectories.gsd import TYPES, Index, read_whole_index
 
 Chunk = NDArray[np.generic]
@@ -70,7 +70,7 @@ def _particles(file: FileIO, index: Index, frame: int) -> Particles:
         None if diameter is None else diameter[:, 0],
         None if mass is None else mass[:, 0],
         None if density is None else density[:, 0],
-        None if sides is None else (sides[0], sides[1], sides[2]),
+        None if sides is None else box_of(sides[:3]),
         0.0 if sides is None else _tilt(sides),
         None if image is None else image.astype(np.int64),
         _step(file, index, frame),

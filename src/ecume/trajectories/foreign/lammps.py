@@ -8,7 +8,15 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ecume.trajectories.foreign.particles import FileFault, Particles, number, require_count, whole
+from ecume.trajectories.foreign.particles import (
+    FileFault,
+    Particles,
+    box_of,
+    number,
+    require_count,
+    require_different,
+    whole,
+)
 
 STYLES = {
     "atomic": "id type x y z",
@@ -52,6 +60,8 @@ def read(text: str) -> Particles:
         raise ValueError("has no section Atoms; expected a LAMMPS data file")
     atoms = sections["Atoms"]
     count = counts.get("atoms", (len(atoms.lines), atoms.line))
+    if not atoms.lines:
+        raise FileFault("got no atoms; expected one or more", atoms.line)
     require_count(count[0], len(atoms.lines), count[1])
     if count[0] != len(atoms.lines):
         raise FileFault(f"got {len(atoms.lines)} atoms; the header announces {count[0]}", atoms.line)
@@ -71,6 +81,7 @@ def read(text: str) -> Particles:
     given = {name: np.array(values[name]) for name in ("diameter", "density") if name in columns}
     if "sphere" in atoms.style and not given["diameter"].all():
         raise FileFault("got a diameter of 0; expected spheres", atoms.line)
+    require_different(values["id"], atoms.lines[0].number)
     order = {name: index for index, name in enumerate(map(int, values["id"]))}
     return Particles(
         names,
@@ -125,7 +136,7 @@ def _header(lines: Sequence[Line]) -> tuple[dict[str, tuple[int, int]], tuple[fl
             spans[match[3]] = number(match[2], line.number) - number(match[1], line.number)
         elif match := TILT.fullmatch(text):
             tilt = max(abs(number(match[part], line.number)) for part in (1, 2, 3))
-    box = (spans["x"], spans["y"], spans["z"]) if len(spans) == 3 else None
+    box = box_of([spans[axis] for axis in "xyz"]) if len(spans) == 3 else None
     return counts, box, tilt
 
 

@@ -96,3 +96,25 @@ def numbered(words: Sequence[str]) -> tuple[tuple[str, ...], NDArray[np.int64]]:
     names = tuple(dict.fromkeys(words))
     place = {name: number for number, name in enumerate(names)}
     return names, np.array([place[word] for word in words], np.int64)
+
+
+Sides = tuple[float, float, float]
+
+
+def box_of(sides: Sequence[float], line: int | None = None) -> Sides | None:
+    """The sides of a box; None where it has no area, as the box of an open system. Raises FileFault for sides that no
+    box has.
+    """
+    x, y, z = map(float, sides)
+    if not (math.isfinite(x) and math.isfinite(y) and math.isfinite(z) and min(x, y, z) >= 0.0):
+        raise FileFault(f"got a box with the sides {x:g}, {y:g} and {z:g}; expected positive ones", line)
+    return (x, y, z) if x > 0.0 and y > 0.0 else None
+
+
+def require_different(ids: Sequence[float] | NDArray[np.float64], line: int) -> None:
+    """Raise FileFault where two particles have one id; `line` is that of the first."""
+    known: set[float] = set()
+    for place, one in enumerate(ids):
+        if one in known:
+            raise FileFault(f"got the id {one:g} for the second time", line + place)
+        known.add(one)

@@ -17,11 +17,13 @@ from numpy.typing import NDArray
 from ecume.trajectories.foreign.particles import (
     FileFault,
     Particles,
+    box_of,
     frame_number,
     instant_of,
     number,
     numbered,
     require_count,
+    require_different,
     whole,
 )
 
@@ -78,6 +80,7 @@ def _frame(lines: Sequence[str], starts: Sequence[int], index: int) -> Particles
             raise FileFault(f"got {len(row)} columns; expected {width}", place)
     if place_of_id := columns.pop("id", None):  # programs write particles in any order
         ids = _values(rows, place_of_id, start + 3)[:, 0]
+        require_different(ids, start + 3)
         rows = [rows[row] for row in np.argsort(ids, kind="stable")]
     species = columns.get("species")
     words = [row[species.first] for row in rows] if species else ["1"] * len(rows)
@@ -168,4 +171,4 @@ def _box(comment: dict[str, str], line: int) -> tuple[tuple[float, float, float]
         raise FileFault(f"got a Lattice of {len(words)} numbers; expected 9", line)
     matrix = np.array([number(word, line) for word in words]).reshape(3, 3)
     off = max(abs(float(matrix[i, j])) for i, j in itertools.permutations(range(3), 2))
-    return (float(matrix[0, 0]), float(matrix[1, 1]), float(matrix[2, 2])), off
+    return box_of(np.abs(matrix.diagonal()).tolist(), line), off
