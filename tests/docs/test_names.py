@@ -24,13 +24,16 @@ EXAMPLES = re.compile(r"a\.b$|gauges\.0\.|name_|top_|stress_squeeze_|kinetic_ene
 
 
 @cache
-def trees() -> dict[str, ast.Module]:
-    """The syntax tree of each module, by its full name."""
+def files() -> dict[str, Path]:
+    """The file of each module, by its full name."""
     names = {path: path.relative_to(PACKAGE.parent).with_suffix("").parts for path in source_files()}
-    return {
-        ".".join(parts).removesuffix(".__init__"): ast.parse(path.read_text(encoding="utf-8"))
-        for path, parts in names.items()
-    }
+    return {".".join(parts).removesuffix(".__init__"): path for path, parts in names.items()}
+
+
+@cache
+def trees() -> dict[str, ast.Module]:
+    """The syntax tree of each module; not read where tests are only collected."""
+    return {name: ast.parse(path.read_text(encoding="utf-8")) for name, path in files().items()}
 
 
 @cache
@@ -111,7 +114,7 @@ def missing(text: str, module: str) -> list[str]:
     return dotted + [name for name in SINGLE.findall(text) if not EXAMPLES.match(name) and not is_known(name, module)]
 
 
-@pytest.mark.parametrize("module", sorted(trees()))
+@pytest.mark.parametrize("module", sorted(files()))
 def test_names_in_docstrings_and_messages_exist(module):
     texts = (node.value for node in ast.walk(trees()[module]) if isinstance(node, ast.Constant))
     assert [name for text in texts if isinstance(text, str) for name in missing(text, module)] == []
