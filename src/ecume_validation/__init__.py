@@ -111,6 +111,11 @@ CASES: dict[str, Case] = {
             "Camphor discs: speeds and bound pairs beside closed forms, exponent of the speed beside a measured one",
             place="surfactant:surfactant_rows",
         ),
+        _case(
+            "barrier",
+            "Floats in front of a moving barrier: forces, work, friction of the walls beside them, beside closed forms",
+            place="barriers:rows",
+        ),
         _case("chains", "Chains of three rough spheres: friction that keeps them bent, beside closed forms"),
         _case(
             "clusters",

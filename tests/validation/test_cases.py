@@ -68,6 +68,12 @@ def test_every_kernel_is_one_and_has_the_tabled_values():
     assert not missed(rows)
 
 
+def test_floats_in_front_of_a_barrier_are_as_in_closed_form():
+    rows = CASES["barrier"].rows()
+    assert len(rows) == 12 + 6 + 2
+    assert not missed(rows)
+
+
 @pytest.mark.compiled
 def test_two_floats_meet_when_the_equation_of_motion_says_so():
     rows = CASES["meeting"].rows()
