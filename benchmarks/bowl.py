@@ -1,4 +1,4 @@
-"""Steps a second of sixty cereals in a bowl: while they drift, and as settled rafts.
+"""Time steps per second of sixty floats in a bowl: while they drift, and as settled rafts.
 
 python benchmarks/bowl.py
 """

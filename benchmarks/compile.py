@@ -1,4 +1,4 @@
-"""How long a bowl takes to its first step: with nothing compiled yet, and with the compilation cache filled.
+"""The time until the first step of a bowl, with an empty and with a filled cache of compiled code.
 
 python benchmarks/compile.py
 """

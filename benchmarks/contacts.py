@@ -1,4 +1,4 @@
-"""Contacts of rafts, all solved together: sweeps, what is left, time.
+"""The contacts of rafts, solved together: sweeps, residual, and time.
 
     python benchmarks/contacts.py [MOST_CONTACTS]
 

@@ -1,8 +1,8 @@
-"""Pair forces beside LAMMPS's, and sums of crowds: direct, with cells, with a grid.
+"""Pair forces in ecume and LAMMPS, and sums over many floats: direct, with cells, with a grid.
 
     python benchmarks/crowd.py [pairs] [sums]
 
-All on one thread, by processor time, the parts of each table in turns. `pairs` needs the extra `bench`.
+One thread, processor time; the measurements of a table alternate. `pairs` needs the extra `bench`.
 """
 
 from __future__ import annotations
@@ -37,7 +37,7 @@ BEADS = (
 
 
 def seconds(work: Callable[[], object], repeats: int) -> float:
-    """Processor time of one go."""
+    """Processor time of one call."""
     began = time.process_time()
     for _ in range(repeats):
         work()

@@ -1,4 +1,4 @@
-"""What is compiled again after ten typical edits, in functions and in seconds of one processor.
+"""The functions that are compiled again after ten typical edits, and the time that this takes.
 
     python benchmarks/edits.py [--scenes cereal-bowl t1 sheared-packing dam-break]
 

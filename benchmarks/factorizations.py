@@ -1,4 +1,4 @@
-r"""The solver `direct` beside other factorizations that come as wheels, on matrices of packings of soft spheres.
+r"""The solver `direct` and other factorizations that come as wheels, on matrices of packings of soft spheres.
 
     OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 MKL_NUM_THREADS=1 \
         python benchmarks/factorizations.py [--layers 300 3000 10000] [--spaces 1000] [--rounds 11]

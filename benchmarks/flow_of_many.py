@@ -1,4 +1,4 @@
-"""Hydrodynamic interaction of many floats: time of a step, and what the grid costs beside the matrix.
+"""Hydrodynamic interaction of many floats: the time of a step with the matrix and with the grid.
 
 `python benchmarks/flow_of_many.py [FLOATS]` prints a row for each case: drifting floats, a compact raft whose contacts
 all push, and Brownian motion. Compilation is not counted. The error is that of the product for forces of random sign.

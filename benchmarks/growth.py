@@ -1,4 +1,4 @@
-"""How the time of a step and the memory grow with the cube of water, and how much of that is its shape.
+"""The time of a step and the memory over the size of a cube of water, and how much of both is due to its shape.
 
     python benchmarks/growth.py [--edges 22 46 126] [--steps 40] [--rounds 3] [--precision double]
 

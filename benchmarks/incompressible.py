@@ -1,4 +1,4 @@
-"""A dam break without sound waves, beside ecume's weakly compressible one and the DFSPH of SPlisHSPlasH.
+"""A dam break without sound waves, compared with ecume's weakly compressible one and the DFSPH of SPlisHSPlasH.
 
     sh benchmarks/peers/install.sh FOLDER
     python benchmarks/incompressible.py [FOLDER] [--deep 20 40] [--rounds 3]

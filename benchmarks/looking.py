@@ -1,4 +1,4 @@
-"""How large and how fast what is looked at is: `python benchmarks/looking.py page|movie`.
+"""The size and the speed of pages and movies: `python benchmarks/looking.py page|movie`.
 
 `page`: 2,000 particles of water x 200 frames as a page: its size, how long Chromium takes to its first picture, and how
 many pictures a second it draws without a graphics card (SwiftShader) while it plays, the frames between two included.

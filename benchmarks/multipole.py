@@ -1,4 +1,4 @@
-"""Many bodies at once: time, memory and turns of the multipole solver, for hexagonal rafts of pinned discs that lean.
+"""Time, memory and iterations of the multipole solver, for hexagonal rafts of tilted pinned discs.
 
 `python benchmarks/multipole.py [ORDER]` prints a row for each raft and method; compilation is not counted. Elimination
 is left out where its matrix would take more than two gigabytes.

@@ -1,4 +1,4 @@
-"""A million tracers in a steady gyre on a grid, beside parcels: the same scheme, step and grid, one core.
+"""A million tracers in a steady gyre on a grid, in ecume and parcels: the same scheme, step and grid, one core.
 
     python benchmarks/parcels_tracers.py [PYTHON] [--count 1000000] [--steps 40] [--rounds 3]
 

@@ -1,4 +1,4 @@
-"""How many particles a second go through a step with walls: `python benchmarks/reflection.py [PARTICLES]`.
+"""The number of particles per second that make a step with walls: `python benchmarks/reflection.py [PARTICLES]`.
 
 The core, as a model calls it: arrays in place, no checks. Prints particles x steps a second, for tanks and for how many
 hits a particle has in a step. By processor time, which other work on the machine disturbs less than wall time: of one

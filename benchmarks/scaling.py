@@ -1,4 +1,4 @@
-"""Cost of a float and step, from one float to ten thousand at one density, with one and with two threads.
+"""The time per float and step, from one to ten thousand floats at one density, with one and with two threads.
 
 python benchmarks/scaling.py
 """

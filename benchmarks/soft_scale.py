@@ -1,4 +1,4 @@
-"""How a step of sheared soft spheres grows with their number: periodic packings of two sizes, in layers and in space.
+"""The time of a step of sheared soft spheres over their number: periodic packings of two sizes, in 2D and in 3D.
 
     python benchmarks/soft_scale.py [--layers 1000 10000] [--spaces 1000 10000] [--steps 12] [--threads 1 2]
 

@@ -1,10 +1,10 @@
-"""What each solver takes for a linear system of soft spheres at rest in a packing, over steps of some length.
+"""The time of each solver for a linear system of soft spheres at rest in a packing, over the length of the step.
 
     python benchmarks/soft_solvers.py [--layers 1000 10000] [--spaces 1000] [--steps 1 100 1e4]
 
-Steps are in units of viscosity over modulus, in which surfaces relax; what pulls at the spheres is a wave as long as
-the box, which sweeps are slowest to find. Processor time of one thread, the best of three; `cholmod` where cvxopt is
-installed. Operations are those that the choice goes by.
+Steps are in units of viscosity over modulus, the relaxation time of surfaces. The load is a wave as long as the box,
+for which sweeps converge most slowly. Processor time of one thread, the best of three; `cholmod` where cvxopt is
+installed. Operations are those that determine the choice of the solver.
 """
 
 from __future__ import annotations

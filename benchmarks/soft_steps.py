@@ -1,4 +1,5 @@
-"""Steps of the T1 process: the paper's own way, explicit ones of about eta/E = kappa t_S, against the implicit ones.
+"""The number of steps of a T1 process: the scheme of the paper, explicit steps of about eta/E = kappa t_S, and implicit
+ones.
 
     python benchmarks/soft_steps.py [--most 300000]
 

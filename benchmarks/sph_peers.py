@@ -1,4 +1,4 @@
-"""The same cube of water in ecume and other SPH packages: whole steps, in turns, each in a process of its own.
+"""The same cube of water in ecume and other SPH packages: complete steps, alternating, each in a separate process.
 
     sh benchmarks/peers/install.sh FOLDER
     python benchmarks/sph_peers.py [FOLDER] [--edge 46] [--steps 60] [--rounds 3]

@@ -1,4 +1,4 @@
-"""A sweep of the T1 process by one worker and by two, in turns: points a second, and their ratio.
+"""A sweep of the T1 process by one worker and by two, alternating: points per second, and their ratio.
 
 python benchmarks/sweeping.py [POINTS]
 

@@ -1,4 +1,4 @@
-"""What the benchmarks share: a run that can be timed, and the description of the machine."""
+"""Shared by the benchmarks: a run that can be timed, and the description of the machine."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Two versions of ecume side by side: the time that each takes for the same frames of the same scenes.
+"""Two versions of ecume compared: the time of each for the same frames of the same scenes.
 
     python benchmarks/versions.py OLD NEW [--cases bowl crowd cube packing] [--pairs 11] [--processes 3]
 

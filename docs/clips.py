@@ -1,4 +1,4 @@
-"""Draws the clips of the gallery, with nothing but ecume: `python docs/clips.py [NAME ...]`.
+"""Draws the clips of the gallery with ecume: `python docs/clips.py [NAME ...]`.
 
 Each scene of `examples`, and each template of `FURTHER`, becomes a short film and a picture of its most telling moment,
 in `docs/clips`. They stay in the repository for ever, so they are small: `MOST` bytes at most.

@@ -1,4 +1,4 @@
-"""Draws the figures of the documentation, with nothing but ecume: `python docs/figures.py [NAME ...]`.
+"""Draws the figures of the documentation with ecume: `python docs/figures.py [NAME ...]`.
 
 Each figure is a function without arguments; FIGURES is the table of them, `docs/figures` is where they go.
 """

@@ -1,4 +1,4 @@
-"""What each choice of an sph scene changes, in small tanks: the liquid, its start, its sums and steps.
+"""The effect of each choice of an sph scene, in small tanks: the liquid, its start, its sums and steps.
 
 Every scene here takes seconds; `docs/figures.py` draws them with all others.
 """

@@ -1,4 +1,4 @@
-"""Figures of sums over crowds; `docs/figures.py` draws them with all others."""
+"""The figures of sums over many floats; `docs/figures.py` draws them."""
 
 from __future__ import annotations
 

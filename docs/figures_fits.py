@@ -1,4 +1,4 @@
-"""The figure of a fit: two beads whose tracks are known with noise."""
+"""The figure of a fit: two beads whose tracks have known noise."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The figures of floating bodies: other shapes, walls with their images, theories, and where superposition ends."""
+"""The figures of floating bodies: other shapes, walls with their images, theories, and the limits of superposition."""
 
 from __future__ import annotations
 

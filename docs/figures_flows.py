@@ -1,4 +1,4 @@
-"""The figures of confined flows and drops on the page on liquids made of particles; `docs/figures.py` draws them."""
+"""The figures of confined flows and drops in liquids made of particles; `docs/figures.py` draws them."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Tanks whose pressure keeps the density, beside weakly compressible ones."""
+"""The figures of incompressible tanks, compared with weakly compressible ones."""
 
 from __future__ import annotations
 

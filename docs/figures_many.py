@@ -1,4 +1,4 @@
-"""Figures of many bodies beyond superposition; `docs/figures.py` draws them with all others."""
+"""The figures of many bodies beyond superposition; `docs/figures.py` draws them."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The figure of chains of rough floats; `docs/figures.py` draws it with all others."""
+"""The figure of chains of rough floats; `docs/figures.py` draws it."""
 
 from __future__ import annotations
 

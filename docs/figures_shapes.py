@@ -1,4 +1,4 @@
-"""Figures of floats with a shape; `docs/figures.py` draws them with all others."""
+"""The figures of floats with a shape; `docs/figures.py` draws them."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The figures of the page on soft spheres; `docs/figures.py` draws them with the others."""
+"""The figures of soft spheres; `docs/figures.py` draws them."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The figures of the page on liquids made of particles; `docs/figures.py` draws them with the others."""
+"""The figures of liquids made of particles; `docs/figures.py` draws them."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The figure of floats that release surfactant; `docs/figures.py` draws it with all others."""
+"""The figure of floats that release surfactant; `docs/figures.py` draws it."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What stands, moves, flows in and is measured in the tanks of an sph scene: a small picture of every option.
+"""A small picture of every option of a tank: solids, motions, openings and gauges.
 
 Every scene here takes seconds; `docs/figures.py` draws them with all others.
 """

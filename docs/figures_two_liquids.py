@@ -1,4 +1,4 @@
-"""The figure of the page on two liquids in a tank; `docs/figures.py` draws it with the others."""
+"""The figure of two liquids in a tank; `docs/figures.py` draws it."""
 
 from __future__ import annotations
 

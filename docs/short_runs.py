@@ -1,4 +1,4 @@
-"""Runs of figures and clips with `--quick`: as many frames as always, but hardly any time between them."""
+"""Runs of figures and clips with `--quick`: the same number of frames, at much shorter intervals."""
 
 from __future__ import annotations
 

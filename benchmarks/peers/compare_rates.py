@@ -1,4 +1,4 @@
-"""Whether ecume and LAMMPS integrate the same equations: the rates of one state, with Lucy's kernel in both.
+"""The rates of one state in ecume and LAMMPS, with Lucy's kernel in both: the two integrate the same equations.
 
     python compare_rates.py
 

@@ -1,4 +1,4 @@
-"""The cube of water that every package gets: a free jittered block, no walls, no gravity.
+"""The cube of water that every package integrates: a free jittered block, no walls, no gravity.
 
 Only NumPy, since each package runs this with a Python of its own.
 """

@@ -1,4 +1,4 @@
-"""ecume: the model `sph` with one sum a step, by the Verlet scheme.
+"""ecume: the model `sph` with one sum per step, by the Verlet scheme.
 
 python in_ecume.py EDGE STEPS THREADS double|single
 """

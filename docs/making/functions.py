@@ -1,4 +1,4 @@
-"""The reference of the Python API: every public function and class with its units and what its docstring says."""
+"""The reference of the Python API: every public function and class with its units and its docstring."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Formulas as MathML, which browsers draw by themselves: no script, and nothing to fetch."""
+"""Formulas as MathML, which browsers draw without a script."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The example notebooks as pages, with what their cells print and show."""
+"""The example notebooks as pages, with the output of their cells."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What was recorded of validation and benchmarks, as pages: each with its date, commit, machine and staleness."""
+"""Pages of the recorded validation and benchmarks, each entry with its date, commit, machine and staleness."""
 
 from __future__ import annotations
 

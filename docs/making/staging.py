@@ -1,4 +1,4 @@
-"""Where the pages of the site come from: those that people wrote, and those that are drawn from the code."""
+"""The sources of the pages of the site: written ones, and those that are made from the code."""
 
 from __future__ import annotations
 

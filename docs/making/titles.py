@@ -1,4 +1,4 @@
-"""The titles of pages on Python modules: concepts, not names of modules."""
+"""The titles of pages on Python modules: concepts instead of names of modules."""
 
 from __future__ import annotations
 

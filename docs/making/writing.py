@@ -1,4 +1,4 @@
-"""What the makers of pages share: text that means itself, lists of pages, units."""
+"""Shared by the makers of pages: escaped text, lists of pages, units."""
 
 from __future__ import annotations
 

@@ -1,4 +1,5 @@
-"""How long packings of one volume fraction, but with films of different thickness, hold a stress before they yield.
+"""The time for which packings of one volume fraction, with films of different thickness, hold a stress before they
+yield.
 
 `python docs/studies/delay_under_stress.py [PROCESSES]` runs the template `stress-step` for some seeds and ages, and
 writes `recorded-delays.csv` beside this file; some minutes. A first run of each seed tells the normal stress at each

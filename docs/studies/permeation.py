@@ -1,5 +1,5 @@
-"""When packings of frictional spheres start to flow under stress: by their volume fraction, with and without
-permeation.
+"""The time at which packings of frictional spheres start to flow under stress, over their volume fraction, with and
+without permeation.
 
 `python docs/studies/permeation.py` loads packings between an undrained bottom and a drained top with a pressure and a
 shear stress, and writes `recorded-starts.csv` beside this file; some minutes.

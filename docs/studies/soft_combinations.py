@@ -1,4 +1,5 @@
-"""All that can be imposed on a packing, with all that resists it: what runs, and why the rest is refused.
+"""Every imposed motion or stress of a packing with every resistance: which combinations run, and why others are
+refused.
 
 `python docs/studies/soft_combinations.py` runs eight spheres for each combination, writes `recorded-combinations.csv`
 beside this file and prints the table of `docs/physics/soft.md`; some minutes.

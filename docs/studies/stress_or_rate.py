@@ -1,4 +1,4 @@
-"""Stress or rate: a packing that creeps at the mean stress of its flow at a given rate flows at which rate?
+"""The rate at which a packing flows under the mean stress of its flow at a given rate.
 
 `python docs/studies/stress_or_rate.py 60 240 --rate 0.8` shears that many spheres near jamming, some minutes for 60 and
 an hour for 960, and adds the rows to `recorded-stress-or-rate.csv` beside this file.

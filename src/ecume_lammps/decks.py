@@ -101,13 +101,6 @@ def _soft_text(deck: DeckNumbers) -> str:
     )
 
 
-def _friction_text(deck: DeckNumbers) -> str:
-    return (
-        "Friction: Coulomb's coefficients are the same. A sticking contact is a tangential spring of 2/7 of the normal "
-        "stiffness (`linear_history`), whose period is that of the normal spring."
-    )
-
-
 def _step_text(deck: DeckNumbers) -> str:
     return (
         f"Time: {deck.steps} steps of {with_prefix(deck.time_step, 's', 4)}, at most a twentieth of the duration of a "
@@ -145,7 +138,13 @@ APPROXIMATE = (
     Statement(lambda deck: row_of(deck.parameters).has_force, _table_text),
     Statement(lambda deck: _is_stiffened(deck) and deck.parameters.scheme.inertia, _contact_text),
     Statement(lambda deck: _is_stiffened(deck) and not deck.parameters.scheme.inertia, _soft_text),
-    Statement(lambda deck: deck.turning is not None, _friction_text),
+    Statement(
+        lambda deck: deck.turning is not None,
+        _same(
+            "Friction: Coulomb's coefficients are the same. A sticking contact is a tangential spring of 2/7 of the "
+            "normal stiffness (`linear_history`), whose period is that of the normal spring."
+        ),
+    ),
     Statement(_has_drag, _drag_text),
     Statement(lambda deck: deck.parameters.scheme.inertia, _step_text),
     Statement(lambda deck: not deck.parameters.scheme.inertia, _overdamped_text),

@@ -67,55 +67,27 @@ def _whether(there: bool, name: str) -> str:
     return name if there else "none"
 
 
+def _optional(path: str, name: str) -> Callable[[FloatingScene], str]:
+    """The name of an optional part of a scene, given by its key."""
+
+    def got(scene: FloatingScene) -> str:
+        part: Any = scene
+        for key in path.split("."):
+            part = None if part is None else getattr(part, key)
+        return _whether(part is not None, name)
+
+    return got
+
+
 def _of_dish(key: str, default: Any) -> Callable[[FloatingScene], Any]:
     """The value of a key of the dish; the default without a dish."""
     return lambda scene: default if scene.dish is None else getattr(scene.dish, key)
-
-
-def _films(scene: FloatingScene) -> str:
-    return _whether(scene.hydrodynamics.lubrication is not None, "films")
-
-
-def _active(scene: FloatingScene) -> str:
-    return _whether(scene.activity is not None, "active forces")
-
-
-def _surfactant(scene: FloatingScene) -> str:
-    return _whether(scene.surfactant is not None, "a surfactant")
-
-
-def _waves(scene: FloatingScene) -> str:
-    return _whether(scene.waves is not None, "waves")
-
-
-def _magnetic_field(scene: FloatingScene) -> str:
-    return _whether(scene.magnetic_field is not None, "a field")
-
-
-def _tabulated_flow(scene: FloatingScene) -> str:
-    return _whether(scene.flow is not None and scene.flow.nodes is not None, "a table")
-
-
-def _flow_of_a_file(scene: FloatingScene) -> str:
-    return _whether(scene.flow is not None and scene.flow.field is not None, "a file")
-
-
-def _motion(scene: FloatingScene) -> str:
-    return _whether(scene.dish is not None and scene.dish.motion is not None, "a moving dish")
-
-
-def _barrier(scene: FloatingScene) -> str:
-    return _whether(scene.dish is not None and scene.dish.barrier is not None, "a barrier")
 
 
 def _rotation(scene: FloatingScene) -> str:
     """The reason why rotation cannot be expressed: a moment of inertia other than that of a sphere."""
     other = bool(scene.hydrodynamics.added_mass) or any(one.disc is not None for one in scene.given)
     return _whether(scene.rubs and other, "friction of discs or with added mass")
-
-
-def _rolls(scene: FloatingScene) -> str:
-    return _whether(scene.rolls, "rolling friction")
 
 
 def _overdamped_kinds(scene: FloatingScene) -> int:
@@ -149,27 +121,31 @@ FLOATS = (
                 "none", "its function is not part of the scene"),
     Expressible("hydrodynamics.drag", lambda scene: scene.drag, _names("stokes", "none"),
                 "stokes or none", "fix viscous is proportional to the velocity"),
-    Expressible("hydrodynamics.lubrication", _films, NONE, "none",
-                "the films of LAMMPS are those of spheres deep in a liquid"),
+    Expressible("hydrodynamics.lubrication", _optional("hydrodynamics.lubrication", "films"), NONE,
+                "none", "the films of LAMMPS are those of spheres deep in a liquid"),
     Expressible("hydrodynamics.interaction", lambda scene: scene.hydrodynamics.interaction, NONE,
                 "none", "the drag of each atom is its own"),
-    Expressible("magnetic_field", _magnetic_field, NONE, "none", "the tables hold the capillary law alone"),
-    Expressible("surfactant", _surfactant, NONE, "none", "LAMMPS has no concentration at the surface"),
-    Expressible("waves", _waves, NONE, "none", "LAMMPS has no such forces"),
-    Expressible("activity", _active, NONE, "none", "LAMMPS has no such forces with persistence"),
-    Expressible("flow.nodes", _tabulated_flow, NONE, "a uniform or linear flow",
-                "a formula of LAMMPS has no table over two coordinates", external=True),
-    Expressible("flow.field", _flow_of_a_file, NONE, "a uniform or linear flow",
-                "a formula of LAMMPS has no table over two coordinates", external=True),
+    Expressible("magnetic_field", _optional("magnetic_field", "a field"), NONE,
+                "none", "the tables hold the capillary law alone"),
+    Expressible("surfactant", _optional("surfactant", "a surfactant"), NONE,
+                "none", "LAMMPS has no concentration at the surface"),
+    Expressible("waves", _optional("waves", "waves"), NONE, "none", "LAMMPS has no such forces"),
+    Expressible("activity", _optional("activity", "active forces"), NONE,
+                "none", "LAMMPS has no such forces with persistence"),
+    Expressible("flow.nodes", _optional("flow.nodes", "a table"), NONE,
+                "a uniform or linear flow", "a formula of LAMMPS has no table over two coordinates", external=True),
+    Expressible("flow.field", _optional("flow.field", "a file"), NONE,
+                "a uniform or linear flow", "a formula of LAMMPS has no table over two coordinates", external=True),
     Expressible("dish.law", _of_dish("law", "none"), _names("meniscus", "linear", "none"),
                 "meniscus, linear or none", "the deck contains formulas of far fields only", external=True),
     Expressible("dish.image", _of_dish("image", "none"), NONE,
                 "none", "the deck contains formulas of far fields only", external=True),
     Expressible("dish.shape", shape_of, _names("none", "round", "rectangle"),
                 "round or rectangle", "other walls have no region in the deck"),
-    Expressible("dish.motion", _motion, NONE, "a dish at rest",
-                "the deck describes the frame of the dish without inertial forces"),
-    Expressible("dish.barrier", _barrier, NONE, "sides at rest", "the deck does not record the force on a wall"),
+    Expressible("dish.motion", _optional("dish.motion", "a moving dish"), NONE,
+                "a dish at rest", "the deck describes the frame of the dish without inertial forces"),
+    Expressible("dish.barrier", _optional("dish.barrier", "a barrier"), NONE,
+                "sides at rest", "the deck does not record the force on a wall"),
     Expressible("contacts.legacy_coefficient", lambda scene: scene.contacts.legacy_coefficient, lambda got: got is None,
                 "none, and a restitution", "springs separate floats; these contacts let them sink into one another"),
     Expressible("contacts.restitution", _bounces, _above_critical, f"{LEAST_RESTITUTION:g} or more",
@@ -178,7 +154,7 @@ FLOATS = (
                 "the dashpots of LAMMPS's granular contacts stay below critical damping"),
     Expressible("contacts.friction", _rotation, NONE, "friction of spheres without added mass",
                 "rotation in LAMMPS has the moment of inertia of a homogeneous sphere"),
-    Expressible("contacts.rolling_friction", _rolls, NONE, "none",
+    Expressible("contacts.rolling_friction", lambda scene: _whether(scene.rolls, "rolling friction"), NONE, "none",
                 "rolling friction in LAMMPS is a spring and a dashpot, whose constants the scene lacks"),
 )  # fmt: skip
 """All choices of a scene that LAMMPS may lack."""

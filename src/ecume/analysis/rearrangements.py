@@ -201,7 +201,7 @@ def neighbor_swaps(frames: Iterable[Frame], *, firm: float = FIRM, box: Box | No
             if not math.isnan(seen.firm):
                 events.append(_event(frame.time, (old, new), seen, found[new][0], place))
         unpaired += lonely
-        _see(frame.time, found, linked)
+        _update_linked(frame.time, found, linked)
     return Swaps(tuple(events), unpaired)
 
 
@@ -236,7 +236,7 @@ def _flickers(pair: Pair, around: Around, found: _Found, linked: dict[Pair, _See
     return any(other in found and not found[other][1] and other not in linked for other in others)
 
 
-def _see(time: float, found: _Found, linked: dict[Pair, _Seen]) -> None:
+def _update_linked(time: float, found: _Found, linked: dict[Pair, _Seen]) -> None:
     for pair, (width, sure) in found.items():
         if sure or pair in linked:
             linked[pair] = _Seen(time, width, time if sure else linked[pair].firm)
@@ -334,8 +334,8 @@ def contact_swaps(frames: Iterable[Frame], *, touch: float, apart: float, box: B
         if before is None:
             contacts.linked.update(pair for pair, gap in gaps.gap.items() if gap < touch)
             before = gaps
-        _part(contacts, (before, gaps), apart)
-        _meet(contacts, (before, gaps), touch)
+        _remove_contacts(contacts, (before, gaps), apart)
+        _add_contacts(contacts, (before, gaps), touch)
         place = _place_of(frame, box)
         for new, old in matched(place, contacts.met, contacts.parted, contacts.linked).items():
             loss, gain = contacts.parted.pop(old), contacts.met.pop(new)
@@ -344,14 +344,14 @@ def contact_swaps(frames: Iterable[Frame], *, touch: float, apart: float, box: B
     return Swaps(tuple(events), len(contacts.parted) + len(contacts.met))
 
 
-def _part(contacts: _Contacts, span: tuple[_Gaps, _Gaps], apart: float) -> None:
+def _remove_contacts(contacts: _Contacts, span: tuple[_Gaps, _Gaps], apart: float) -> None:
     for pair in [pair for pair in contacts.linked if span[1].of(pair) > apart]:
         contacts.linked.remove(pair)
         if contacts.met.pop(pair, None) is None:
             contacts.parted[pair] = _crossing(span, pair, apart)
 
 
-def _meet(contacts: _Contacts, span: tuple[_Gaps, _Gaps], touch: float) -> None:
+def _add_contacts(contacts: _Contacts, span: tuple[_Gaps, _Gaps], touch: float) -> None:
     for pair in [pair for pair, gap in span[1].gap.items() if gap < touch and pair not in contacts.linked]:
         contacts.linked.add(pair)
         if contacts.parted.pop(pair, None) is None:

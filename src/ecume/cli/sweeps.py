@@ -83,9 +83,9 @@ def sweep(
     elif array:
         _write_array(source, directory, absolute(laws or []))
     else:
-        hands: dict[str, Any] = {"workers": workers, "scheduler": scheduler, "slurm": slurm, "retries": retries}
-        hands["laws"] = tuple(absolute(laws or []))
-        _run_all(source, directory, hands, quiet=quiet)
+        choices: dict[str, Any] = {"workers": workers, "scheduler": scheduler, "slurm": slurm, "retries": retries}
+        choices["laws"] = tuple(absolute(laws or []))
+        _run_all(source, directory, choices, quiet=quiet)
         if fit:
             _fit_all(directory, quiet=quiet)
 
@@ -104,7 +104,7 @@ def _write_array(source: Path, directory: Path, laws: Sequence[str]) -> None:
     echo(f"wrote {write_array(sweeping, laws)}; submit it with sbatch")
 
 
-def _run_all(source: Path, directory: Path, hands: dict[str, Any], *, quiet: bool) -> None:
+def _run_all(source: Path, directory: Path, choices: dict[str, Any], *, quiet: bool) -> None:
     """Run the missing points, and report their results."""
     from ecume.sweep import ExecutorOptions, results
 
@@ -112,7 +112,7 @@ def _run_all(source: Path, directory: Path, hands: dict[str, Any], *, quiet: boo
         say(f"{folder}: {why}")
 
     with counted("points", quiet=quiet, lines=True) as reporter:
-        done = results.sweep(source, directory, ExecutorOptions(**hands, progress=reporter, failed=failed))
+        done = results.sweep(source, directory, ExecutorOptions(**choices, progress=reporter, failed=failed))
     _end(done, quiet=quiet)
 
 

@@ -227,8 +227,7 @@ def _squares_of(periods: Array, x: Array, slot: int, start: int, distance: Array
 
 
 # Inside a prange Numba writes to a copy of an array in a tuple, so that arrays are passed separately. Slots are signed
-# in both, so
-# that one compilation serves both.
+# in both, so that one compilation serves both.
 
 
 @threaded

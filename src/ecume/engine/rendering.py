@@ -93,7 +93,7 @@ def _paint_row(pixels: Pixels, row: int, disc: Disc, colors: tuple[Color, Color]
             cover = min(max(radius - away + 0.5, 0.0), 1.0)
             edge = min(max(away - radius + rim + 0.5, 0.0), 1.0) * min(rim, 1.0)
         light = DIMMEST + (1.0 - DIMMEST) * math.sqrt(max(1.0 - square / (radius * radius), 0.0)) if ball else 1.0
-        _lay(pixels, (row, column), cover, mixed(colors[0], colors[1], light, edge))
+        _blend(pixels, (row, column), cover, mixed(colors[0], colors[1], light, edge))
 
 
 @compiled_inside
@@ -113,7 +113,7 @@ def _span(middle: float, aside: float, radius: float, within: tuple[int, int]) -
 
 
 @compiled_inside
-def _lay(pixels: Pixels, at: tuple[int, int], cover: float, color: Color) -> None:
+def _blend(pixels: Pixels, at: tuple[int, int], cover: float, color: Color) -> None:
     """Paint a color over a pixel that may be transparent: Porter and Duff's "over" (porter1984)."""
     row, column = at
     if cover >= 1.0:

@@ -396,9 +396,9 @@ SHORTER = 0.3
 """The fraction of the sum of squared displacements that remains after an exchange of two names, below which the names
 count as swapped.
 """
-MOST_ASTRAY = 0.1
+MOST_OUTLIERS = 0.1
 """The largest fraction of measurements that count as outliers; above it, the model is the likely cause."""
-ASTRAY = 6.0
+OUTLIER = 6.0
 """The ratio to the median residual above which a measurement is an outlier; Gaussian noise exceeds it once in 1e10."""
 
 
@@ -423,8 +423,8 @@ def swapped(tracks: Tracks) -> list[str]:
 def outlier(problem: Problem, left: Array) -> list[str]:
     """A remark on single measurements far from the positions that follow from all others."""
     off = np.linalg.norm(left, axis=2)
-    far = np.flatnonzero(off[problem.seen] > ASTRAY * np.median(off[problem.seen]))
-    if len(far) == 0 or len(far) > MOST_ASTRAY * problem.seen.sum():
+    far = np.flatnonzero(off[problem.seen] > OUTLIER * np.median(off[problem.seen]))
+    if len(far) == 0 or len(far) > MOST_OUTLIERS * problem.seen.sum():
         return []
     instants, objects = (places[far] for places in np.nonzero(problem.seen))
     worst = int(np.argmax(off[instants, objects]))

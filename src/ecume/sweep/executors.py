@@ -137,7 +137,7 @@ Results = Callable[[Sequence[Job]], Iterator[tuple[Job, str]]]
 
 
 @contextlib.contextmanager
-def hands(options: ExecutorOptions, sweeping: Sweeping, missing: int) -> Iterator[Results]:
+def executor(options: ExecutorOptions, sweeping: Sweeping, missing: int) -> Iterator[Results]:
     """The function that runs jobs with an executor and yields each job with its outcome."""
     cores = (os.cpu_count() or 1) // sweeping.spec.ranks
     workers = min(options.workers or max(cores, 1), max(missing, 1))

@@ -34,7 +34,7 @@ from ecume.sweep.directory import (
     require_own_run,
     written,
 )
-from ecume.sweep.executors import ExecutorOptions, engine_of, hands
+from ecume.sweep.executors import ExecutorOptions, engine_of, executor
 from ecume.sweep.measures import Measure, measure_of, read_measure, usual_measures
 from ecume.sweep.spec import SIZE, Axis, process_of
 from ecume.trajectories.reader import open_trajectory
@@ -352,7 +352,7 @@ def _worked(options: ExecutorOptions, sweeping: Sweeping, missing: Sequence[Job]
     words: Counter[str] = Counter()
     count = len(distinct(sweeping.jobs))
     report = options.progress or (lambda done, of: None)
-    with hands(options, sweeping, len(missing)) as results:
+    with executor(options, sweeping, len(missing)) as results:
         report(count - len(missing), count)
         for job, word in results(missing):
             words[word] += 1

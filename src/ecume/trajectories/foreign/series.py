@@ -18,32 +18,16 @@ class Series(NamedTuple):
     """read(number): the particles of a frame, in the units of the file. Raises ValueError"""
 
 
-def _of_dump(path: Path, text_of: Callable[[Path], str]) -> Series:
-    return Series(*dumps.series(text_of(path)))
-
-
-def _of_xyz(path: Path, text_of: Callable[[Path], str]) -> Series:
-    return Series(*xyz.series(text_of(path)))
-
-
 def _of_data(path: Path, text_of: Callable[[Path], str]) -> Series:
     text = text_of(path)
     return Series(1, lambda frame: lammps.read(text))
 
 
-def _of_gsd(path: Path, text_of: Callable[[Path], str]) -> Series:
-    return Series(gsd.frames(path), lambda frame: gsd.read(path, frame))
-
-
-def _of_dcd(path: Path, text_of: Callable[[Path], str]) -> Series:
-    return Series(dcd.frames(path), lambda frame: dcd.read(path, frame))
-
-
 FORMATS: dict[str, Callable[[Path, Callable[[Path], str]], Series]] = {
-    "gsd": _of_gsd,
-    "xyz": _of_xyz,
+    "gsd": lambda path, text_of: Series(gsd.frames(path), lambda frame: gsd.read(path, frame)),
+    "xyz": lambda path, text_of: Series(*xyz.series(text_of(path))),
     "lammps": _of_data,
-    "dump": _of_dump,
-    "dcd": _of_dcd,
+    "dump": lambda path, text_of: Series(*dumps.series(text_of(path))),
+    "dcd": lambda path, text_of: Series(dcd.frames(path), lambda frame: dcd.read(path, frame)),
 }
 """For each format, open(path, text_of), which returns its frames; `text_of` reads a text file. Raises ValueError."""
