@@ -24,6 +24,14 @@ async function bundled(name) {
   return outputFiles[0].text.replaceAll("</script", "<\\/script");
 }
 
+const source = (name) => readFileSync(join(here, "src", name), "utf8");
+
+/** A page of a toy: its buttons and its main part, in the frame of all of them. */
+function framed(name) {
+  const [buttons, main] = source(name).split("---\n");
+  return source("frame.html").replace("@BUTTONS@", () => buttons).replace("@MAIN@", () => main);
+}
+
 const plot = readFileSync(join(here, "node_modules/uplot/dist/uPlot.min.css"), "utf8");
 const style = `${readFileSync(join(here, "src/style.css"), "utf8")}${plot.trim()}\n`;
 const licence = (name) => readFileSync(join(here, "node_modules", name, "LICENSE"), "utf8");
@@ -42,7 +50,8 @@ for (const name of [...sources.map((one) => `src/${one}`), "build.mjs", "package
 
 writeFileSync(join(out, "view.js"), await bundled("main.ts"));
 for (const name of ["play", "tank", "t1", "solver", "cluster"]) writeFileSync(join(out, `${name}.js`), await bundled(`${name}.ts`));
-for (const name of ["play.html", "play.css", "tank.html", "t1.html"]) writeFileSync(join(out, name), readFileSync(join(here, "src", name), "utf8"));
+for (const name of ["play.html", "tank.html", "t1.html"]) writeFileSync(join(out, name), framed(name));
+writeFileSync(join(out, "play.css"), source("play.css"));
 writeFileSync(join(out, "view.css"), style);
 writeFileSync(join(out, "page.html"), readFileSync(join(here, "src/page.html"), "utf8"));
 writeFileSync(join(out, "LICENSES.txt"), licences.join("\n"));

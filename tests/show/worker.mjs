@@ -12,7 +12,7 @@ vm.runInThisContext(text("worker"));
 const ask = (what, more = {}) =>
   new Promise((resolve) => globalThis.onmessage({ data: { ...more, what, number: waiting.push(resolve) - 1 } }));
 const [toy, packed] = [JSON.parse(text("toy")), (id) => JSON.parse(bytes(id))];
-const given = page.includes('id="liquids"') ? { alone: toy, liquids: packed("liquids") } : { told: packed("cases") };
+const given = page.includes('id="liquids"') ? { alone: toy, liquids: packed("liquids") } : { cases: packed("cases") };
 const start = { wasm: bytes("wasm"), ...given };
 const answers = [await ask("start", start)];
 for (const [what, more] of JSON.parse(readFileSync(0, "utf8"))) answers.push(await ask(what, more));

@@ -2,7 +2,7 @@
 
 import type { Poured } from "./asking";
 import { regionOf, SLOPE, type Tank } from "./liquid";
-import { bytes } from "./toy";
+import { bytes, themed } from "./toy";
 
 export interface Basin {
   title: string;
@@ -18,13 +18,13 @@ export interface Basin {
   colorings: [string, string, string, string][]; // name, unit, map, map for a dark page
 }
 
-const FINEST = 65535;
+export const FINEST = 65535; // steps across the view
 const ALONE = 0.4; // the radius of a single particle, in spacings
 const MOST_PIXELS = 6; // of a cell of the grid, along a side
 const ROOM = 0.06; // around the tank, over its width
 
 /** Words of two bytes, the lower one first. */
-function words(coded: string): Uint16Array {
+export function words(coded: string): Uint16Array {
   return new Uint16Array(bytes(coded).buffer as ArrayBuffer);
 }
 
@@ -88,6 +88,20 @@ export class Picture {
     this.walls(seen, fine);
   }
 
+  /** A cross at a place of the tank, as it leans in the last picture. */
+  cross([x, y]: [number, number]): void {
+    const { on, scale } = this;
+    const [right, down, arm] = [scale * x, -scale * y, 8 * (window.devicePixelRatio || 1)];
+    on.strokeStyle = getComputedStyle(document.documentElement).getPropertyValue("--accent");
+    on.lineWidth = arm / 4;
+    on.beginPath();
+    on.moveTo(right - arm, down);
+    on.lineTo(right + arm, down);
+    on.moveTo(right, down - arm);
+    on.lineTo(right, down + arm);
+    on.stroke();
+  }
+
   /** The ground of the tank. */
   private inside({ wall }: Poured): void {
     const { on, basin } = this;
@@ -122,7 +136,7 @@ export class Picture {
   /** The colors of a quantity, for a light or a dark page. */
   private map(coloring: string): Uint8Array {
     const [, , light, dark] = this.basin.colorings.find(([name]) => name === coloring)!;
-    return bytes(window.matchMedia("(prefers-color-scheme: dark)").matches ? dark : light);
+    return bytes(themed([light, dark]));
   }
 
   /** The liquid as pixels, from the sum of kernels and the mean shades of its particles. */

@@ -2,6 +2,7 @@
 
 import type { Pulled } from "./asking";
 import { Memory, type Compiled, type Slot } from "./memory";
+import { answering } from "./worker";
 
 const LONGEST = 0.1; // s of the clock at once
 const BUDGET = 14; // ms of the clock between two pictures
@@ -121,7 +122,7 @@ class Spheres {
     if (this.process.state === "stuck") this.news.push("No step is short enough: the process ends here.");
   }
 
-  now(): Pulled {
+  private now(): Pulled {
     this.follow();
     const { process, time } = this;
     const { instants, centers } = process;
@@ -145,8 +146,14 @@ class Spheres {
     };
   }
 
+  answer(what: string, asked: Record<string, unknown>): unknown {
+    if (what === "now") return this.now();
+    if (what === "scene") return this.scene();
+    return what === "whole" ? this.whole() : this.act(what, asked);
+  }
+
   /** Do something; why it was not done, or nothing. */
-  act(what: string, asked: Record<string, unknown>): string {
+  private act(what: string, asked: Record<string, unknown>): string {
     if (what === "speed") this.speed = Number(asked.value);
     else if (what === "anew") this.begin();
     else if (what === "choose") return this.choose(this.chosen.map((one, k) => (k === asked.which ? Number(asked.value) : one)));
@@ -165,33 +172,16 @@ class Spheres {
     return "";
   }
 
-  scene(): string {
+  private scene(): string {
     return this.case.scene;
   }
 
   /** The whole process at once, for tests. */
-  whole(): { duration: number; steps: number; outcome: string } {
+  private whole(): { duration: number; steps: number; outcome: string } {
     while (this.process.state === "going on") this.advance();
     const { duration, instants } = this.process;
     return { duration, steps: instants.length - 1, outcome: this.told.outcomes[this.process.outcome()] };
   }
 }
 
-let spheres: Spheres;
-
-globalThis.onmessage = async ({ data }: MessageEvent): Promise<void> => {
-  const { number, what, ...more } = data;
-  let answer: unknown;
-  try {
-    if (what === "start") {
-      const { instance } = await WebAssembly.instantiate(more.wasm as BufferSource);
-      spheres = new Spheres(instance.exports as unknown as CompiledCluster, more.told);
-    } else if (what === "now") answer = spheres.now();
-    else if (what === "scene") answer = spheres.scene();
-    else if (what === "whole") answer = spheres.whole();
-    else answer = spheres.act(what, more);
-    postMessage({ number, answer });
-  } catch (fault) {
-    postMessage({ number, fault: (fault as Error).message });
-  }
-};
+answering((compiled, { cases }) => new Spheres(compiled as CompiledCluster, cases as Clusters));

@@ -3,7 +3,7 @@
 import type { Asking, Told } from "./asking";
 import { bytes, element } from "./toy";
 
-export async function unpacked(id: string): Promise<ArrayBuffer> {
+async function unpacked(id: string): Promise<ArrayBuffer> {
   const packed = new Blob([bytes(element(id).textContent!) as Uint8Array<ArrayBuffer>]);
   return new Response(packed.stream().pipeThrough(new DecompressionStream("gzip"))).arrayBuffer();
 }
@@ -43,4 +43,22 @@ export class Inside implements Asking {
   act(what: string, more: Record<string, unknown> = {}): Promise<string> {
     return this.ask(what, more);
   }
+}
+
+/** The simulation in the page, begun, with what it begins with beside what is given: the numbers under the name `of`. */
+export async function begun<T>(of: string, given: Record<string, unknown> = {}): Promise<[Inside, T]> {
+  const inside = new Inside();
+  const [wasm, packed] = await Promise.all([unpacked("wasm"), unpacked(of)]);
+  const numbers = JSON.parse(new TextDecoder().decode(packed)) as T;
+  await inside.ask("start", { ...given, wasm, [of]: numbers });
+  return [inside, numbers];
+}
+
+/** Begin a page, or say why it cannot. */
+export function beginning(begin: () => Promise<void>): void {
+  begin().catch((fault: Error) => {
+    const said = element("said");
+    said.textContent = `This browser cannot simulate here: ${fault.message}`;
+    said.hidden = false;
+  });
 }

@@ -4,8 +4,8 @@ import type { Now } from "./asking";
 import { BowlPage } from "./bowl";
 import type { Alone, Chapter, Filled } from "./chapters";
 import type { Bowl } from "./dish";
-import { Inside, unpacked } from "./inside";
-import { addressed, share } from "./sharing";
+import { begun, beginning, type Inside } from "./inside";
+import { offerLinks } from "./sharing";
 import { DEGREE, element, header, slider } from "./toy";
 
 type Range = [label: string, part: string, key: string, low: number, high: number, unit: number, name: string];
@@ -96,10 +96,7 @@ class Alike extends BowlPage {
       });
     }
     element("empty").addEventListener("click", () => void this.change("empty"));
-    element("link").hidden = !addressed;
-    element("link").addEventListener("click", async () => this.say(await share(`#${await inside.act("link")}`)));
-    window.addEventListener("hashchange", () => void this.bring());
-    void this.bring().then(() => this.follow());
+    void offerLinks(inside, "bowl", (text) => this.say(text), (fragment) => this.change("bring", { fragment })).then(() => this.follow());
   }
 
   private get chapter(): Chapter {
@@ -142,23 +139,13 @@ class Alike extends BowlPage {
     element("factors").replaceChildren(...rows);
     if (had) element("factors").querySelector<HTMLElement>(`[aria-label="${CSS.escape(had)}"]`)?.focus();
   }
-
-  private async bring(): Promise<void> {
-    if (location.hash.length > 1) await this.change("bring", { fragment: location.hash.slice(1) });
-  }
 }
 
 async function begin(): Promise<void> {
   if (!element("wasm")) return void new Served(header<Bowl>());
-  const [alone, inside] = [header<Alone>(), new Inside()];
-  const [wasm, packed] = await Promise.all([unpacked("wasm"), unpacked("liquids")]);
-  const liquids = JSON.parse(new TextDecoder().decode(packed)) as Record<string, Filled>[];
-  await inside.ask("start", { wasm, alone, liquids });
+  const alone = header<Alone>();
+  const [inside, liquids] = await begun<Record<string, Filled>[]>("liquids", { alone });
   new Alike(inside, alone, liquids);
 }
 
-begin().catch((fault: Error) => {
-  const said = element("said");
-  said.textContent = `This browser cannot simulate here: ${fault.message}`;
-  said.hidden = false;
-});
+beginning(begin);

@@ -1,6 +1,7 @@
 // A link whose fragment holds the bowl as it is now: where it opens, and how it is handed over.
 
 import { drawCode } from "./code";
+import type { Inside } from "./inside";
 import { element } from "./toy";
 
 const LOCAL = location.protocol === "file:" || ["127.0.0.1", "localhost", "[::1]"].includes(location.hostname);
@@ -8,7 +9,7 @@ const LOCAL = location.protocol === "file:" || ["127.0.0.1", "localhost", "[::1]
 const GUARDED = new URLSearchParams(location.search).has("token");
 
 /** Whether the page has an address: one that is written into a frame of another page has none. */
-export const addressed = ["file:", "http:", "https:"].includes(location.protocol);
+const addressed = ["file:", "http:", "https:"].includes(location.protocol);
 
 /** What is handed over: a link, or what makes one behind the address of another page. */
 function handed(fragment: string): string {
@@ -21,7 +22,7 @@ function where(): string {
 }
 
 /** Show a link and its code, and copy it where that is allowed; what is said of it. */
-export async function share(fragment: string, what = "bowl"): Promise<string> {
+async function share(fragment: string, what: string): Promise<string> {
   const address = handed(fragment);
   if (window === window.top) history.replaceState(null, "", fragment);
   const shown = element<HTMLInputElement>("address");
@@ -32,4 +33,15 @@ export async function share(fragment: string, what = "bowl"): Promise<string> {
   const copied = await navigator.clipboard?.writeText(address).then(() => true, () => false);
   const said = copied ? `The link is copied: it holds the ${what} as it is now.` : `The link beside the ${what} holds the ${what} as it is now.`;
   return said + where();
+}
+
+/** The button that makes a link of what is there; what a link brings is brought, now and when another one comes. */
+export async function offerLinks(inside: Inside, what: string, say: (text: string) => void, bring: (fragment: string) => Promise<unknown>): Promise<void> {
+  const arrive = async (): Promise<void> => {
+    if (location.hash.length > 1) await bring(location.hash.slice(1));
+  };
+  element("link").hidden = !addressed;
+  element("link").addEventListener("click", async () => say(await share(`#${await inside.act("link")}`, what)));
+  window.addEventListener("hashchange", () => void arrive());
+  await arrive();
 }

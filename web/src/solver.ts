@@ -4,6 +4,7 @@ import type { Now } from "./asking";
 import { AS_GIVEN, type Alone, type Chapter, type Filled, type Float, type Kept } from "./chapters";
 import { linked, unlinked } from "./links";
 import { Floats, type CompiledBowl } from "./floats";
+import { answering } from "./worker";
 
 const LONGEST = 0.1; // s of simulated time at once
 const BUDGET = 14; // ms of the clock between two pictures
@@ -178,8 +179,15 @@ export class Bowl {
     };
   }
 
+  answer(what: string, asked: Record<string, unknown>): unknown {
+    if (what === "now") return this.now();
+    if (what === "scene") return this.scene();
+    if (what === "places") return this.places();
+    return what === "go" ? this.go(Number(asked.steps)) : this.act(what, asked);
+  }
+
   /** Do something; why it was not done, or nothing. */
-  act(what: string, asked: Record<string, unknown>): string {
+  private act(what: string, asked: Record<string, unknown>): string {
     const [x, y, one] = [Number(asked.x), Number(asked.y), Number(asked.one)];
     const there = Number.isInteger(one) && one >= 0 && one < this.floats.length;
     const name = String(asked.name);
@@ -328,22 +336,4 @@ export class Bowl {
   }
 }
 
-let bowl: Bowl;
-
-globalThis.onmessage = async ({ data }: MessageEvent): Promise<void> => {
-  const { number, what, ...more } = data;
-  let answer: unknown;
-  try {
-    if (what === "start") {
-      const { instance } = await WebAssembly.instantiate(more.wasm as BufferSource);
-      bowl = new Bowl(instance.exports as unknown as CompiledBowl, more.alone, more.liquids);
-    } else if (what === "now") answer = bowl.now();
-    else if (what === "scene") answer = bowl.scene();
-    else if (what === "places") answer = bowl.places();
-    else if (what === "go") bowl.go(more.steps);
-    else answer = bowl.act(what, more);
-    (globalThis as unknown as { postMessage(answer: unknown): void }).postMessage({ number, answer });
-  } catch (fault) {
-    (globalThis as unknown as { postMessage(answer: unknown): void }).postMessage({ number, fault: String((fault as Error).message ?? fault) });
-  }
-};
+answering((compiled, { alone, liquids }) => new Bowl(compiled as CompiledBowl, alone as Alone, liquids as Liquids[]));

@@ -3,9 +3,9 @@
 import type { Pulled } from "./asking";
 import type { Clusters } from "./cluster";
 import { shade } from "./dish";
-import { Inside, unpacked } from "./inside";
-import { addressed, share } from "./sharing";
-import { bytes, element, header, slider, Toy } from "./toy";
+import { begun, beginning, type Inside } from "./inside";
+import { offerLinks } from "./sharing";
+import { bytes, element, header, paintBar, slider, themed, Toy } from "./toy";
 
 interface Header {
   title: string;
@@ -48,15 +48,8 @@ class Cluster extends Toy<Pulled> {
   ) {
     super("cluster", top.title, top.speeds, inside);
     element("anew").addEventListener("click", () => void this.act("anew"));
-    element("link").hidden = !addressed;
-    element("link").addEventListener("click", async () => this.say(await share(`#${await inside.act("link")}`, "cluster")));
-    window.addEventListener("hashchange", () => void this.bring());
     [element("least").textContent, element("most").textContent] = [power(LEAST), "1"];
-    void this.bring().then(() => this.follow());
-  }
-
-  private async bring(): Promise<void> {
-    if (location.hash.length > 1) await this.act("bring", { fragment: location.hash.slice(1) });
+    void offerLinks(inside, "cluster", (text) => this.say(text), (fragment) => this.act("bring", { fragment })).then(() => this.follow());
   }
 
   protected draw(seen: Pulled): void {
@@ -90,13 +83,11 @@ class Cluster extends Toy<Pulled> {
     });
     element("sliders").replaceChildren(...rows);
     if (had) element("sliders").querySelector<HTMLElement>(`[aria-label="${CSS.escape(had)}"]`)?.focus();
-    const image = new ImageData(256, 1);
-    for (let place = 0; place < 256; place++) image.data.set([...this.color(place / 255), 255], 4 * place);
-    element<HTMLCanvasElement>("bar").getContext("2d")!.putImageData(image, 0, 0);
+    paintBar(bytes(themed(this.top.colors)));
   }
 
   private color(part: number): number[] {
-    const map = bytes(this.top.colors[window.matchMedia("(prefers-color-scheme: dark)").matches ? 1 : 0]);
+    const map = bytes(themed(this.top.colors));
     const place = 3 * Math.round(255 * Math.min(1, Math.max(0, part)));
     return [...map.subarray(place, place + 3)];
   }
@@ -233,16 +224,7 @@ class Cluster extends Toy<Pulled> {
   }
 }
 
-async function begin(): Promise<void> {
-  const inside = new Inside();
-  const [wasm, packed] = await Promise.all([unpacked("wasm"), unpacked("cases")]);
-  const told = JSON.parse(new TextDecoder().decode(packed)) as Clusters;
-  await inside.ask("start", { wasm, told });
-  new Cluster(inside, told, header<Header>());
-}
-
-begin().catch((fault: Error) => {
-  const said = element("said");
-  said.textContent = `This browser cannot simulate here: ${fault.message}`;
-  said.hidden = false;
+beginning(async () => {
+  const [inside, cases] = await begun<Clusters>("cases");
+  new Cluster(inside, cases, header<Header>());
 });

@@ -1,25 +1,36 @@
 // A tank to play with: what hands do here is simulated by the program that gave out this page.
 
 import type { Poured } from "./asking";
-import { type Basin, Picture } from "./basin";
-import { bytes, DEGREE, element, header, Toy } from "./toy";
+import { type Basin, FINEST, Picture, words } from "./basin";
+import { bytes, choices, DEGREE, element, header, paintBar, themed, Toy } from "./toy";
 
 const basin = header<Basin>();
 const AGAIN = 90; // ms between two pours of a hand that stays
 const NEAR = 0.025; // of the tank's width: so close to the wall a hand takes hold of it
 const TOOLS = ["pour", "scoop"] as const;
+const STRIDE = 0.02; // of the tank's width, by which a key moves the mark
+const MOVES: Record<string, [number, number]> = { a: [-1, 0], d: [1, 0], w: [0, 1], s: [0, -1] };
+
+function named(text: string): HTMLButtonElement {
+  const button = document.createElement("button");
+  button.textContent = text;
+  return button;
+}
 
 class Pool extends Toy<Poured> {
   private readonly canvas = element<HTMLCanvasElement>("canvas");
   private readonly picture = new Picture(this.canvas, basin);
   private readonly leaning = document.createElement("input");
   private tool: string = TOOLS[0];
+  private cursor: [number, number] = [(basin.low[0] + basin.high[0]) / 2, 0.8 * basin.high[1]];
+  private marked = false;
   private hand: { x: number; y: number; holds: boolean } | null = null;
 
   constructor() {
     super("tank", basin.title, basin.speeds);
-    for (const tool of TOOLS) this.choice("tools", tool, () => (this.tool = tool)).setAttribute("aria-checked", String(tool === this.tool));
-    for (const [name] of basin.colorings) this.choice("colorings", name, () => void this.act("color", { name }));
+    choices(element("tools"), TOOLS.map((tool) => named(tool)), 0, (number) => (this.tool = TOOLS[number]));
+    const colorings = basin.colorings.map(([name]) => name);
+    choices(element("colorings"), colorings.map(named), 0, (number) => void this.act("color", { name: colorings[number] }));
     for (const deed of ["open", "close", "wave", "anew"]) element(deed).addEventListener("click", () => void this.act(deed));
     for (const id of ["wave", "push"]) element(id).hidden = !basin.movable;
     this.pointing();
@@ -29,6 +40,7 @@ class Pool extends Toy<Poured> {
 
   protected draw(seen: Poured): void {
     this.picture.draw(seen);
+    if (this.marked && document.activeElement === this.canvas) this.picture.cross(this.cursor);
   }
 
   protected tell(seen: Poured): void {
@@ -42,29 +54,10 @@ class Pool extends Toy<Poured> {
   /** Which colors are on, and how far they reach. */
   private scale({ coloring, most }: Poured): void {
     const [, unit, light, dark] = basin.colorings.find(([name]) => name === coloring)!;
-    const coded = window.matchMedia("(prefers-color-scheme: dark)").matches ? dark : light;
     const told = `${Number(most.toPrecision(2))} ${unit}`;
     if (element("most").textContent === told) return;
     element("most").textContent = told;
-    for (const button of element("colorings").children) {
-      button.setAttribute("aria-checked", String(button.textContent === coloring));
-    }
-    const [map, image] = [bytes(coded), new ImageData(256, 1)];
-    for (let place = 0; place < 256; place++) image.data.set([...map.subarray(3 * place, 3 * place + 3), 255], 4 * place);
-    element<HTMLCanvasElement>("bar").getContext("2d")!.putImageData(image, 0, 0);
-  }
-
-  private choice(into: string, name: string, chosen: () => void): HTMLButtonElement {
-    const button = document.createElement("button");
-    button.textContent = name;
-    button.setAttribute("role", "radio");
-    button.setAttribute("aria-checked", "false");
-    button.addEventListener("click", () => {
-      for (const other of element(into).children) other.setAttribute("aria-checked", String(other === button));
-      chosen();
-    });
-    element(into).append(button);
-    return button;
+    paintBar(bytes(themed([light, dark])));
   }
 
   private pointing(): void {
@@ -98,6 +91,36 @@ class Pool extends Toy<Poured> {
     }, AGAIN);
   }
 
+  /** Keys that move a mark in the tank, pour or scoop there, and tell how things stand. */
+  private pressed(event: KeyboardEvent): void {
+    const key = event.key.toLowerCase();
+    const { low, high } = basin;
+    if (event.ctrlKey || event.metaKey || event.altKey) return;
+    if (key in MOVES) {
+      const stride = STRIDE * (high[0] - low[0]);
+      this.cursor = this.cursor.map((x, axis) => Math.min(Math.max(x + stride * MOVES[key][axis], low[axis]), high[axis])) as [number, number];
+      this.marked = true;
+    } else if (key === "enter") void this.act(this.tool, { x: this.cursor[0], y: this.cursor[1] });
+    else if (key === "i") element("heard").textContent = this.stands();
+    else return;
+    event.preventDefault();
+  }
+
+  /** How things stand, in words. */
+  private stands(): string {
+    if (!this.seen) return "";
+    const { time, coloring, most, places, colors, opened, solids, leaning } = this.seen;
+    const [place, shade] = [words(places), bytes(colors)];
+    const height = basin.view[3] - basin.view[1];
+    let [highest, strongest] = [0, 0];
+    shade.forEach((value, one) => [highest, strongest] = [Math.max(highest, place[2 * one + 1]), Math.max(strongest, value)]);
+    const gates = opened ? `${opened} open` : solids.length ? "closed" : "none";
+    const [unit] = basin.colorings.filter(([name]) => name === coloring).map(([, each]) => each);
+    return `After ${time.toFixed(1)} seconds: ${shade.length} particles; the highest is ${((highest / FINEST) * height).toFixed(2)} m above the bottom, ` +
+      `the largest ${coloring} is ${((most * strongest) / 255).toPrecision(2)} ${unit}. Gates: ${gates}. Tilt: ${(leaning / DEGREE).toFixed(0)} degrees. ` +
+      `The mark is at ${this.cursor.map((x) => x.toFixed(2)).join(", ")} m.`;
+  }
+
   private tilting(): void {
     const { leaning } = this;
     const [row, told] = [document.createElement("label"), document.createElement("output")];
@@ -114,6 +137,7 @@ class Pool extends Toy<Poured> {
     element("anew").addEventListener("click", () => lean(0));
     const ways: Record<string, number> = { ArrowLeft: -most / 2, ArrowRight: most / 2 };
     this.canvas.addEventListener("keydown", (event) => {
+      this.pressed(event);
       if (!(event.key in ways)) return;
       event.preventDefault();
       if (!event.repeat) lean(ways[event.key]);

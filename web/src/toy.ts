@@ -17,6 +17,18 @@ export function bytes(coded: string): Uint8Array {
   return Uint8Array.from(atob(coded), (one) => one.charCodeAt(0));
 }
 
+/** The one of two colors, or maps of colors, that the page needs as it is now: light or dark. */
+export function themed<T>([light, dark]: [T, T]): T {
+  return window.matchMedia("(prefers-color-scheme: dark)").matches ? dark : light;
+}
+
+/** Paint the scale of colors. */
+export function paintBar(map: Uint8Array): void {
+  const image = new ImageData(256, 1);
+  for (let place = 0; place < 256; place++) image.data.set([...map.subarray(3 * place, 3 * place + 3), 255], 4 * place);
+  element<HTMLCanvasElement>("bar").getContext("2d")!.putImageData(image, 0, 0);
+}
+
 /** Buttons of which one is on, as radio buttons are for the keyboard: arrows go from one to the next. */
 export function choices(into: HTMLElement, buttons: HTMLButtonElement[], chosen: number, choose: (number: number) => void): void {
   const mark = (number: number): void =>
