@@ -14,13 +14,16 @@ import os
 import re
 from collections.abc import Iterator, Sequence
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple, cast
 
+import matplotlib as mpl
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.container import ErrorbarContainer
 from matplotlib.figure import Figure
+from matplotlib.legend import Legend
 from matplotlib.lines import Line2D
+from matplotlib.text import Text
 
 from ecume.errors import BadInput
 from ecume.scenes.faults import echo
@@ -51,12 +54,56 @@ def finished(drawn: Figure, finish: Finish) -> Figure:
     if finish.width is not None:
         width, height = drawn.get_size_inches()
         drawn.set_size_inches(finish.width / INCH, height * finish.width / INCH / width)
+        if finish.width < NARROW:
+            with style():
+                _narrowed(drawn)
     if not finish.title:
         for axes in drawn.axes:
             for place in ("left", "center", "right"):
                 axes.set_title("", loc=place)
         drawn.suptitle("")
     return drawn
+
+
+NARROW = 0.12
+"""The width (m) below which a figure is that of a column of text: small letters, legends below the panels."""
+SMALLER = 0.8
+ROW = 0.17
+"""The height (inches) of a row of a legend in a narrow figure."""
+SHORT = 16
+"""The longest text of legends in two columns."""
+
+
+def _narrowed(drawn: Figure) -> None:
+    """Reduce the letters, and put legends beside the panels below them, where they leave the curves their width."""
+    small = SMALLER * float(cast(float, mpl.rcParams["font.size"]))
+    for text in drawn.findobj(Text):
+        text.set_fontsize(SMALLER * float(text.get_fontsize()))
+    for axes in drawn.axes:
+        axes.tick_params(labelsize=small)
+    beside = [
+        (axes, found) for axes in drawn.axes if (found := axes.get_legend()) is not None and _is_beside(axes, found)
+    ]
+    for axes, legend in beside:
+        handles, names = axes.get_legend_handles_labels()
+        columns, title = 2 if max(map(len, names)) <= SHORT else 1, legend.get_title().get_text() or None
+        legend.remove()
+        if len(beside) == 1:
+            drawn.legend(handles, names, loc="outside lower left", ncols=columns, fontsize=small, title=title)
+        else:
+            anchor: dict[str, Any] = {"loc": "upper left", "bbox_to_anchor": (0.0, BELOW), "borderaxespad": 0.0}
+            axes.legend(handles, names, ncols=columns, fontsize=small, title=title, **anchor)
+        width, height = drawn.get_size_inches()
+        drawn.set_size_inches(width, height + ROW * (-(-len(names) // columns) + (title is not None)))
+
+
+BELOW = -0.35
+"""The place of a legend below a panel and its labels, in heights of the panel."""
+
+
+def _is_beside(axes: Axes, legend: Legend) -> bool:
+    """Whether the legend of a panel stands right of it."""
+    return bool(legend.get_bbox_to_anchor().transformed(axes.transAxes.inverted()).x0 > 1.0)
 
 
 class Curve(NamedTuple):

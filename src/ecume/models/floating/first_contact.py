@@ -12,10 +12,10 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from ecume.laws.drag import schiller_naumann_factor
+from ecume.models.expected_events import event_row
 from ecume.models.floating.forces.pair_forces import law_of, row_of, two_floats
 from ecume.models.floating.parameters import Parameters, State
 from ecume.scenes.floating import FloatingScene
-from ecume.units import with_prefix
 
 FINE = 0.01
 """The relative change of gap and speed in a step."""
@@ -24,8 +24,6 @@ NEAREST = 4
 """Pairs that are followed: those with the narrowest gaps."""
 LEAST = 1e-7
 """The minimum number of relaxation times in a step; with fewer, the effect of drag is lost to rounding."""
-SHOWN = 10
-"""The number of frames before a contact that show it."""
 
 
 def first_contact(parameters: Parameters, state: State, longest: float) -> float:
@@ -94,16 +92,4 @@ def _meeting_time(parameters: Parameters, state: State, pair: tuple[int, int], l
 def contact_row(scene: FloatingScene, parameters: Parameters, state: State) -> list[tuple[str, str, str]]:
     """The row of `ecume check` on the first contact, with suggested times of frames; empty without a contact."""
     time = first_contact(parameters, state, 10.0 * scene.duration)
-    if not math.isfinite(time):
-        return []
-    value = f"after about {_rounded(time, 2)}"
-    if time > scene.duration:
-        return [("first contact", value, f"after the end of the run; duration {_rounded(1.2 * time, 2)} shows it")]
-    if time < SHOWN * scene.frame_every:
-        frames, long = _rounded(time / (5 * SHOWN), 1), _rounded(2.0 * time, 1)
-        return [("first contact", value, f"duration {long} and frame_every {frames} would show it")]
-    return [("first contact", value, "of the nearest two floats, alone")]
-
-
-def _rounded(time: float, digits: int) -> str:
-    return with_prefix(float(f"{time:.{digits}g}"), "s")
+    return event_row("first contact", time, (scene.duration, scene.frame_every), "of the nearest two floats, alone")

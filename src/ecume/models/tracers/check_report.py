@@ -8,6 +8,7 @@ import numpy as np
 
 from ecume.laws import brownian_motion, drag, gases, unsteady_forces
 from ecume.models.costs import Content, frame_cost
+from ecume.models.expected_events import event_row
 from ecume.models.gravity import gravity_text
 from ecume.models.size_report import sizes_rows
 from ecume.models.step_counts import last_step
@@ -92,6 +93,7 @@ def summary_of(scene: TracersScene, parameters: Parameters, index: int) -> list[
             (f"{name}: relaxation time", with_prefix(drag.relaxation_time(mass, friction), "s"), regime),
         ]
         rows += slip_of(scene, fluid, index)
+        rows += settled(scene, name, speed) if parameters.current == () else []
     if fluid.thermal > 0.0 and friction > 0.0:
         spread, weight = (
             brownian_motion.diffusivity(fluid.thermal, friction),
@@ -104,6 +106,17 @@ def summary_of(scene: TracersScene, parameters: Parameters, index: int) -> list[
                 (f"{name}: sedimentation length", with_prefix(layer, "m"), "height of the layer in equilibrium")
             )
     return rows
+
+
+def settled(scene: TracersScene, name: str, speed: float) -> list[tuple[str, str, str]]:
+    """The row on the time in which one species crosses a box with still liquid; empty for others."""
+    tank = scene.tank
+    if tank is None or tank.high is None or scene.openings or speed == 0.0:
+        return []
+    height = float(tank.high[-1]) - (float(tank.low[-1]) if tank.low is not None else 0.0)
+    way = "settles" if speed > 0.0 else "rises"
+    times = scene.duration, scene.frame_every
+    return event_row(f"{name}: {way}", height / abs(speed), times, "over the height of the tank, without noise")
 
 
 SLIPS = 0.01

@@ -183,12 +183,15 @@ def distances(frames: Frames, scene: Any) -> Figure:
         axes = over_time(
             drawn, scene, "Gap of two floats" if len(pairs) == 1 else "Gaps of floats that touch in the end"
         )
+        marked = False
         for (i, j), color in zip(pairs, itertools.cycle(PALETTE), strict=False):
             gap = approach(paths, radius, (i, j), box)
             axes.plot(now, 1e3 * gap, color=color, label=f"floats {i} and {j}")
             met = np.flatnonzero(gap < MET * (radius[i] + radius[j]))
             if len(met):
-                axes.plot(now[met[:1]], 1e3 * gap[met[:1]], "o", color=color, markersize=5, label="contact")
+                name = "_contact" if marked else "contact"
+                axes.plot(now[met[:1]], 1e3 * gap[met[:1]], "o", color=color, markersize=5, label=name)
+                marked = True
         if (solution := two_body_gap(shown, scene)) is not None:
             axes.plot(*(solution * [[1.0], [1e3]]), "--", color=INK, linewidth=1.0, label="equation of motion of two")
         axes.set(ylabel="gap (mm)", ylim=(0.0, None))

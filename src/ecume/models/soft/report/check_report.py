@@ -4,6 +4,7 @@ warnings, and cost.
 
 from __future__ import annotations
 
+import itertools
 import math
 
 import numpy as np
@@ -11,6 +12,7 @@ import numpy as np
 from ecume.laws.soft_pair import SoftPair, optimal_force
 from ecume.laws.surfaces import LARGE, SURFACES, Expected
 from ecume.models.costs import Content, frame_cost
+from ecume.models.expected_events import event_row
 from ecume.models.gravity import gravity_text
 from ecume.models.law_codes import code_of
 from ecume.models.liquids import material_of
@@ -46,8 +48,24 @@ def advice(scene: SoftScene, parameters: Parameters, state: State) -> list[Row]:
         ("tension law", tension_law_of(scene), parameters.laws.tension.remark),
         *permeation_rows(scene, parameters, typical),
         *doubts(scene, parameters, typical),
+        *unit_strain(scene),
         *_cost(scene, parameters, state),
     ]
+
+
+def unit_strain(scene: SoftScene) -> list[Row]:
+    """The row on the time of a strain of 1, after which a packing has forgotten its start; empty without a rate."""
+    strain = 0.0
+    for stage, following in itertools.zip_longest(scene.protocol, scene.protocol[1:]):
+        begin, end = stage.time, following.time if following is not None else math.inf
+        rate = abs(stage.shear_rate or 0.0)
+        if stage.strain is not None and following is not None and following.strain is not None and end > begin:
+            rate = abs(following.strain - stage.strain) / (end - begin)
+        if rate > 0.0 and strain + rate * (end - begin) >= 1.0:
+            times = scene.duration, scene.frame_every
+            return event_row("strain of 1", begin + (1.0 - strain) / rate, times, "of the packing by shear")
+        strain += rate * (end - begin) if rate > 0.0 else 0.0
+    return []
 
 
 def typical_pair(scene: SoftScene, parameters: Parameters, state: State) -> Expected:

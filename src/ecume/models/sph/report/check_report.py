@@ -15,6 +15,7 @@ from ecume.laws.viscous import viscosity_of_alpha
 from ecume.laws.water_waves import group_velocity, viscous_decay, wave_frequency
 from ecume.laws.yield_stress import apparent_viscosity, creep_rate
 from ecume.models.costs import Content, frame_cost
+from ecume.models.expected_events import event_row
 from ecume.models.gravity import gravity_text
 from ecume.models.model import LONG, Row
 from ecume.models.sph.fields import number
@@ -40,7 +41,7 @@ from ecume.models.sph.setup.choices import (
 )
 from ecume.models.sph.setup.initial_particles import cells_of, unaligned_solids
 from ecume.models.sph.setup.packing import unevenness
-from ecume.models.sph.setup.shapes import part_of, solids_of
+from ecume.models.sph.setup.shapes import part_of, shape_of, solids_of
 from ecume.models.sph.setup.walls_and_bodies import holds, narrowest_channel
 from ecume.models.step_counts import last_step
 from ecume.scenes.sph import BodySpec, ObstacleSpec, SphScene
@@ -281,8 +282,54 @@ def advice(scene: SphScene, parameters: Parameters, position: Array, bytes_each:
         *_tension(scene, parameters),
         *uniform_inflows(scene),
         *regime_rows(scene, parameters),
+        *first_impact(scene),
         *_cost(scene, parameters, count, bytes_each),
     ]
+
+
+def first_impact(scene: SphScene) -> list[Row]:
+    """The row on the first impact: of liquid or a body that falls, or of a collapsing column at the opposite wall. The
+    front of a column in a dry tank is at most as fast as Ritter's, 2 sqrt(g h) [ritter1892]. Empty without gravity.
+    """
+    up, times = scene.up_axis, (scene.duration, scene.frame_every)
+    pull = -float(gravity_of(scene)[up])
+    if pull <= 0.0:
+        return []
+    liquid = [part_of(region, scene.spacing).bounds() for region in scene.fluid]
+    falls = [(_drop(ends, [other for other in liquid if other is not ends], scene), "of liquid") for ends in liquid]
+    falls += [
+        (_drop(shape_of(body).bounds(), liquid, scene), f"of {body.name}")
+        for body in scene.bodies
+        if body.motion is None and not body.velocity
+    ]
+    found = [(math.sqrt(2.0 * height / pull), f"{what} that falls") for height, what in falls if height > scene.spacing]
+    if found:
+        return event_row("first impact", *_first(found, times))
+    if len(liquid) > 1 or scene.obstacles or scene.bodies:
+        return []
+    (low, high), fronts = liquid[0], []
+    for axis in (axis for axis in range(len(low)) if axis != up):
+        for gap, side in ((low - scene.tank.low, 2 * axis), (scene.tank.high - high, 2 * axis + 1)):
+            if gap[axis] > scene.spacing and sides_of(scene)[side].kind == "wall":
+                speed = 2.0 * math.sqrt(pull * float(high[up] - low[up]))
+                fronts.append((float(gap[axis]) / speed, f"of the front, at {scene.sides[side]}"))
+    return event_row("first impact", *_first(fronts, times), bound=True) if fronts else []
+
+
+def _first(found: list[tuple[float, str]], times: tuple[float, float]) -> tuple[float, tuple[float, float], str]:
+    time, what = min(found)
+    return time, times, what
+
+
+def _drop(ends: tuple[Array, Array], below: list[tuple[Array, Array]], scene: SphScene) -> float:
+    """The height (m) between a box and the liquid or the bottom under it."""
+    (low, high), up = ends, scene.up_axis
+    floor = [float(scene.tank.low[up])]
+    for least, most in below:
+        apart = np.delete((most <= low) | (least >= high), up)
+        if not apart.any() and most[up] <= low[up] + scene.spacing:
+            floor.append(float(most[up]))
+    return float(low[up]) - max(floor)
 
 
 def _resolution(scene: SphScene, parameters: Parameters, position: Array) -> list[Row]:
