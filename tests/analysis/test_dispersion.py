@@ -95,3 +95,48 @@ def test_a_dataset_is_read_back_with_its_conventions(tmp_path):
         assert found.trajectory.attrs["cf_role"] == "trajectory_id"
         assert found.x.values == pytest.approx(np.array([[0.1, 0.5], [0.3, np.nan]]), nan_ok=True)
         assert found.y.attrs["units"] == "m"
+        assert found["left"].values.tolist() == [[-1, -1], [-1, 0]]
+
+
+def coming_and_going(count=600, speed=1.0, rate=0.02):
+    """Each particle enters at its own frame, drifts with noise and leaves after ten frames; nobody is there always."""
+    entered, moved = np.arange(count) * 30 // count, np.zeros((count, 2))
+    found = []
+    for k in range(31):
+        number = int((entered <= k).sum())
+        left = np.where(k - entered[:number] > 10, 0, -1)
+        found.append(frame(5.0 + 0.1 * k, moved[:number].copy(), left, left_through_opening_0=float((left == 0).sum())))
+        moved[:number] += [0.1 * speed, 0.0] + DICE.normal(size=(number, 2)) * np.sqrt(2 * 0.1 * rate)
+    return found
+
+
+def test_displacements_of_particles_that_come_and_go_are_over_the_time_since_they_entered():
+    frames = coming_and_going()
+    course = dispersion.displacements(frames)
+    assert course.time == pytest.approx(0.1 * np.arange(11)), "none is inside for longer"
+    assert course.value[:, 0] == pytest.approx(course.time**2 + 0.04 * course.time, abs=6 * course.error[:, 0].max())
+    alone = dispersion.displacements(frames, without_drift=True)
+    assert alone.value[-1] == pytest.approx([0.04, 0.04], abs=5 * alone.error[-1].max())
+    spread = dispersion.dispersion_coefficient(frames)
+    assert spread.time == pytest.approx(0.1 * np.arange(10) + 0.05)
+    assert spread.value.mean() == pytest.approx(0.02, abs=5 * spread.error.mean() / np.sqrt(10))
+
+
+def test_frames_at_unequal_times_have_no_displacements_since_entering():
+    frames = coming_and_going(60)
+    with pytest.raises(BadInput, match="intervals between frames differ"):
+        dispersion.displacements([*frames[:5], *frames[7:]])
+
+
+def test_a_dataset_says_where_each_particle_is_and_keeps_those_on_walls():
+    pytest.importorskip("xarray")
+    numbers = {"left_through_opening_0": 1.0, "deposited_on_wall_3": 1.0}
+    frames = [
+        frame(0.0, [[0.1, 0.2]], **numbers),
+        frame(1.0, [[0.5, 0.6], [0.7, 0.8], [0.2, 0.2]], [1, 0, -1], **numbers),
+    ]
+    found = dispersion.dataset(frames)
+    assert found["left"].values.tolist() == [[-1, 1], [-2, 0], [-2, -1]]
+    assert found["left"].attrs["flag_meanings"] == "not_yet_entered inside left_through_opening_0 on_wall_3"
+    assert found["left"].attrs["flag_values"].tolist() == [-2, -1, 0, 1]
+    assert found.x.values == pytest.approx(np.array([[0.1, 0.5], [np.nan, np.nan], [np.nan, 0.2]]), nan_ok=True)

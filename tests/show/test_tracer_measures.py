@@ -5,7 +5,7 @@ import pytest
 
 from ecume.errors import BadInput
 from ecume.scenes.schema import from_plain
-from ecume.show.tracer_measures import before_exits, dispersion_over_time, efficiency, whole_bins
+from ecume.show.tracer_measures import before_exits, dispersion_over_time, efficiency, spreading, whole_bins
 from ecume.show.tracers import heights
 from ecume.trajectories.frame import Frame
 
@@ -39,6 +39,16 @@ def test_dispersion_ends_before_the_first_exit_of_a_pulse():
 def test_without_time_before_the_first_exit_the_title_says_who_is_counted():
     assert before_exits(course([99] * 40))[1] == ""
     assert before_exits(course([*[99] * 38, 1, 4]))[1] == ", of those that stay inside"
+
+
+def test_where_particles_enter_the_time_is_that_since_entering():
+    frames = course([3] * 20 + [6] * 20)
+    frames = [frame._replace(arrays={name: array[: 20 + 2 * k] for name, array in frame.arrays.items()})
+              for k, frame in enumerate(frames)]  # fmt: skip
+    assert before_exits(frames) == (frames, ", since entering")
+    for figure in (spreading, dispersion_over_time):
+        (axes,) = figure(frames, SCENE).axes
+        assert axes.get_title("left").split("\n")[0].endswith(", since entering: Dye")
 
 
 @pytest.mark.parametrize("interval", [0.025, 1.0, 7.0])

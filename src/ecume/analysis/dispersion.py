@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ecume.analysis.series import Flags, inside, times, tracks
+from ecume.analysis.series import Flags, inside, times, tracks, unwrapped
 from ecume.errors import BadInput, install
 from ecume.trajectories.frame import Frame
 from ecume.units import Array
@@ -39,47 +39,83 @@ class Course(NamedTuple):
 
 
 def _paths(frames: Frames) -> Array:
-    """Tracks of the particles that exist in all frames. Raises BadInput for fewer than two of them."""
+    """Tracks (T, N, d) of the particles that are there in all frames. Where some enter later, displacements of all by
+    the number of frames since they entered, NaN from their exit on. Raises BadInput for fewer than two particles.
+    """
     paths = tracks(frames)
-    whole = np.isfinite(paths).all(axis=(0, 2))
+    there = np.isfinite(paths).all(axis=2)
+    entered = there.argmax(axis=0) if len(frames) else np.zeros(paths.shape[1], int)
+    if entered.any():
+        return _since_entering(paths[:, there.any(axis=0)], entered[there.any(axis=0)], times(frames))
+    whole = there.all(axis=0)
     if whole.sum() < 2:
         raise BadInput(f"{int(whole.sum())} particles are inside in all frames; expected two or more")
     return paths[:, whole]
 
 
+def _since_entering(paths: Array, entered: Any, instants: Array) -> Array:
+    """Displacements by the number of frames since each particle entered, as long as two are inside."""
+    intervals = np.diff(instants)
+    if not np.allclose(intervals, intervals[0], rtol=1e-6):
+        raise BadInput("particles enter during the run, and intervals between frames differ; expected equal ones")
+    row = np.arange(len(paths))[:, None] + entered
+    moved = np.take_along_axis(paths, np.minimum(row, len(paths) - 1)[:, :, None], axis=0)
+    moved[row >= len(paths)] = np.nan
+    moved -= moved[0]
+    enough = (np.isfinite(moved[:, :, 0]).sum(axis=1) >= 2).argmin() or len(moved)
+    return np.asarray(moved[:enough])
+
+
+def _mean(values: Array) -> Array:
+    """The mean over the particles (T, N, d) that are inside."""
+    with np.errstate(invalid="ignore"):
+        found: Array = np.nansum(values, axis=1) / np.isfinite(values).sum(axis=1)
+    return found
+
+
 def _of_groups(values: Array, measure: Any) -> tuple[Array, Array]:
-    """A measure of (T, N, ...) over particles, and its error from groups of them."""
-    groups = np.array_split(np.arange(values.shape[1]), min(GROUPS, values.shape[1] // 2))
-    parts = np.array([measure(values[:, group]) for group in groups])
+    """A measure of (T, N, ...) over particles, and its error from groups of them, each with early and late ones."""
+    groups = min(GROUPS, values.shape[1] // 2)
+    parts = np.array([measure(values[:, group::groups]) for group in range(groups)])
     spread = parts.std(axis=0, ddof=1) if len(parts) > 1 else np.full_like(parts[0], np.nan)
     return np.asarray(measure(values)), spread / np.sqrt(len(parts))
 
 
 def displacements(frames: Frames, *, without_drift: bool = False) -> Course:
     """The mean square displacement since the first frame along each axis, (T, d) in m^2; `without_drift` less the
-    square of the mean one. Of the particles that are inside in all frames.
+    square of the mean one. Of the particles that are inside in all frames; where some enter later, of all, over the
+    time since they entered, as long as they are inside.
     """
 
     def measure(way: Array) -> Array:
-        square: Array = (way**2).mean(axis=1)
-        return square - way.mean(axis=1) ** 2 if without_drift else square
+        square = _mean(way**2)
+        return square - _mean(way) ** 2 if without_drift else square
 
     paths = _paths(frames)
-    return Course(times(frames), *_of_groups(paths - paths[0], measure))
+    return Course(times(frames)[: len(paths)] - _shift(frames, paths), *_of_groups(paths - paths[0], measure))
+
+
+def _shift(frames: Frames, paths: Array) -> float:
+    """The time (s) of the first frame where paths begin when particles enter, at 0; otherwise 0."""
+    return frames[0].time if len(frames) and not paths[0].any() else 0.0
 
 
 def dispersion_coefficient(frames: Frames, axis: int = 0) -> Course:
     """Half the rate at which the variance along an axis grows (m^2/s), at the middles between frames; in the end the
     dispersion coefficient of Taylor and Aris in a channel. Of the particles that are inside in all frames: where some
-    leave, those are the slow ones, and only the frames before the first exit say how a pulse spreads.
+    leave, those are the slow ones, and only the frames before the first exit say how a pulse spreads. Where particles
+    enter during the run, of displacements over the time since they entered, of those inside at both ends of a time.
     """
-    paths, instants = _paths(frames)[:, :, axis], times(frames)
     if len(frames) < 2:
         raise BadInput("the rate of dispersion needs two frames or more")
-    span = np.diff(instants)
+    paths = _paths(frames)
+    instants = times(frames)[: len(paths)] - _shift(frames, paths)
+    span, paths = np.diff(instants), paths[:, :, axis]
 
     def measure(way: Array) -> Array:
-        return np.asarray(0.5 * np.diff(way.var(axis=1)) / span)
+        start = np.where(np.isfinite(way[1:]), way[:-1], np.nan)
+        grown = [_mean(each**2) - _mean(each) ** 2 for each in (start, way[1:])]
+        return np.asarray(0.5 * (grown[1] - grown[0]) / span)
 
     return Course(0.5 * (instants[1:] + instants[:-1]), *_of_groups(paths, measure))
 
@@ -149,7 +185,7 @@ def deposited(frame: Frame, wall: int | None = None) -> Flags:
     if wall is not None and wall not in walls:
         raise BadInput(f"wall {wall} does not hold particles; those that do: {walls or 'none'}")
     left = np.asarray(frame.arrays["left"])
-    return np.asarray(left >= openings if wall is None else left == openings + walls.index(wall))
+    return np.asarray((left >= openings) & bool(walls) if wall is None else left == openings + walls.index(wall))
 
 
 def present(frame: Frame) -> Flags:
@@ -193,7 +229,8 @@ def collector_efficiency(frame: Frame, wall: int | None = None) -> Efficiency:
 
 def dataset(frames: Frames) -> Any:
     """The paths as a dataset of xarray with the dimensions `trajectory` and `obs`, to be written as NetCDF by the CF
-    conventions; NaN where a particle is not inside. Times are seconds since 1970-01-01. Raises BadInput without xarray.
+    conventions; NaN where a particle is not inside, except on walls that hold it. `left` says by flags where each
+    particle is. Times are seconds since 1970-01-01. Raises BadInput without xarray.
     """
     try:
         import xarray
@@ -204,11 +241,34 @@ def dataset(frames: Frames) -> Any:
     instants = np.tile(times(frames), (paths.shape[1], 1))
     described = {"x": "position along x", "y": "position along y", "z": "height"}
     names = ("x", "y") if paths.shape[2] == 2 else ("x", "y", "z")
+    left = np.full(paths.shape[:2], NOT_YET)
+    for path, where, frame in zip(paths, left, frames, strict=True):
+        count = len(frame.arrays["position"])
+        where[:count] = np.where(inside(frame), -1, frame.arrays.get("left", -1))
+        held = present(frame) & ~inside(frame)
+        path[:count][held] = unwrapped(frame)[held]
     values: dict[str, Any] = {
         "time": (rows, instants, {"units": f"seconds since {EPOCH}", "standard_name": "time", "axis": "T"}),
         **{name: (rows, paths[:, :, axis].T, {"units": "m", "long_name": described[name], "axis": name.upper()})
            for axis, name in enumerate(names)},
+        "left": (rows, left.T, {"long_name": "where the particle is", **_flags(frames[-1])}),
     }  # fmt: skip
+    for name in ("radius", "density", "species"):
+        if name in frames[-1].arrays:
+            units = {} if name == "species" else {"units": frames[-1].units.get(name, "1")}
+            values[name] = ("trajectory", frames[-1].arrays[name], units)
     number = np.arange(paths.shape[1])
     attributes = {"featureType": "trajectory", "Conventions": "CF-1.8", "source": "ecume"}
     return xarray.Dataset(values, {"trajectory": ("trajectory", number, {"cf_role": "trajectory_id"})}, attributes)
+
+
+NOT_YET = -2
+"""In `left` of datasets: particles that have not yet entered."""
+
+
+def _flags(frame: Frame) -> dict[str, Any]:
+    """The values of `left` in datasets, and what they mean, by the CF conventions."""
+    holes = [f"left_through_opening_{m}" for m in range(_openings(frame))]
+    walls = [f"on_wall_{wall}" for wall in _sticking_walls(frame)]
+    meanings = ["not_yet_entered", "inside", *holes, *walls]
+    return {"flag_values": np.arange(len(meanings)) + NOT_YET, "flag_meanings": " ".join(meanings)}

@@ -12,7 +12,7 @@ from ecume.analysis import dispersion
 from ecume.analysis.dispersion import Course
 from ecume.analysis.series import inside, times
 from ecume.errors import BadInput
-from ecume.show.curves import Frames, evolution, over_time, titled
+from ecume.show.curves import MOST_INSTANTS, Frames, evolution, over_time, titled
 from ecume.show.style import MUTED, PALETTE, figure, legend_outside, scale_for, style
 from ecume.trajectories.frame import Frame
 from ecume.units import Array
@@ -40,7 +40,7 @@ def band(axes: Axes, time: Array, curve: tuple[Array, Array], label: str, color:
 
 def spreading(frames: Frames, scene: TracersScene) -> Figure:
     """The mean square displacement along each axis, with and without the drift, while all particles are inside."""
-    shown, until = before_exits(evolution(frames))
+    shown, until = before_exits(evenly(frames))
     every, own = dispersion.displacements(shown), dispersion.displacements(shown, without_drift=True)
     scale = scale_for(float(np.sqrt(every.value.max())), "m")
     square = scale.factor**2
@@ -56,11 +56,19 @@ def spreading(frames: Frames, scene: TracersScene) -> Figure:
     return drawn
 
 
+def evenly(frames: Frames) -> Frames:
+    """Frames at equal intervals, so that displacements since entering have exact times."""
+    return evolution(frames[:: max(1, -(-len(frames) // MOST_INSTANTS))])
+
+
 def before_exits(frames: Frames) -> tuple[Frames, str]:
     """The frames before the first exit, and a remark for the title. Particles that remain afterwards are the slow ones,
-    whose displacements are too small. If fewer than three frames precede the exit, all frames are returned.
+    whose displacements are too small. If fewer than three frames precede the exit, or particles enter, all frames are
+    returned.
     """
     first = len(frames[0].arrays["position"])
+    if len(frames[-1].arrays["position"]) > first:
+        return frames, ", since entering"
     whole = [bool(inside(frame)[:first].all()) for frame in frames]
     if all(whole):
         return frames, ""
@@ -72,7 +80,7 @@ def dispersion_over_time(frames: Frames, scene: TracersScene) -> Figure:
     """The dispersion coefficient along each axis, half the rate at which the variance grows, while all particles are
     inside.
     """
-    shown, until = before_exits(evolution(frames))
+    shown, until = before_exits(evenly(frames))
     names = axis_names(shown[0])
     courses = [dispersion.dispersion_coefficient(shown, axis) for axis in range(len(names))]
     with style():

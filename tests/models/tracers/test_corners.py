@@ -19,7 +19,7 @@ THERMAL = brownian_motion.thermal_energy(293.15)
 SPREAD = brownian_motion.diffusivity(THERMAL, 6.0 * math.pi * 1e-3 * RADIUS)
 SIGMA = 0.06
 """The standard deviation of a step, over the size."""
-COUNT, FRAMES, STEPS = 4000, 6, 6
+COUNT, FRAMES, STEPS = 6000, 10, 6
 
 
 def shaped(tank, obstacles, length, seed):
@@ -49,13 +49,15 @@ def shaped(tank, obstacles, length, seed):
 
 def shares_near(corners, scene, rest, surfaces):
     """Shares of particles within steps of the corners, those in equilibrium, and their standard errors."""
-    frames = [frame.arrays["position"] for frame in simulate(scene)][1:]
-    found = np.concatenate(frames)
+    # A scheme that empties corners has done so after two frames.
+    found = np.concatenate([frame.arrays["position"] for frame in simulate(scene)][2:])
     assert (clearance(found, surfaces)[0] >= RADIUS * (1.0 - 1e-9)).all()
     far = [np.min([np.hypot(*(some - corner).T) for corner in corners], axis=0) for some in (found, rest)]
-    reach = SIGMA * SIZE * np.array([1.0, 2.0, 4.0])
-    share, exact = (np.array([np.mean(away < each) for each in reach]) for away in far)
-    return share, exact, np.sqrt(exact * (1.0 / len(found) + 1.0 / len(rest)) * (1.0 + 0.5 * reach / reach[0]))
+    steps = np.array([1.0, 2.0, 4.0])
+    share, exact = (np.array([np.mean(away < each * SIGMA * SIZE) for each in steps]) for away in far)
+    # Particles stay for steps^2/2 steps, so that frames are not independent.
+    memory = 1.0 + steps**2 / STEPS
+    return share, exact, np.sqrt(exact * (memory / len(found) + 1.0 / len(rest)))
 
 
 def wedge(angle):

@@ -137,7 +137,10 @@ def mesh_of(low: Array, high: Array, bodies: list[Body], periodic: Periodic) -> 
     mesh = _mesh_of(low, high, bodies, periodic)
     volume = float((high - low).prod()) - sum(body.volume for body in bodies)
     if abs(float(np.abs(volumes(mesh.nodes, mesh.tetrahedra)).sum()) - volume) > 1e-9 * volume:
-        raise BadInput("no mesh fits the obstacles; expected them farther apart, and few blunt edges, as of boxes")
+        raise BadInput(
+            "no mesh fits the obstacles; expected them farther apart, or blunter and with fewer faces, such as boxes "
+            "and spheres; a flow computed elsewhere is read with flow.field"
+        )
     # In the order in which scikit-fem has the corners of its elements.
     return Mesh(mesh.nodes, np.sort(mesh.tetrahedra, axis=1))
 
