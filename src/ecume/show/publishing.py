@@ -85,7 +85,8 @@ def _narrowed(drawn: Figure) -> None:
         (axes, found) for axes in drawn.axes if (found := axes.get_legend()) is not None and _is_beside(axes, found)
     ]
     for axes, legend in beside:
-        handles, names = axes.get_legend_handles_labels()
+        handles = [handle for handle in legend.legend_handles if handle is not None]
+        names = [text.get_text() for text in legend.get_texts()]
         columns, title = 2 if max(map(len, names)) <= SHORT else 1, legend.get_title().get_text() or None
         legend.remove()
         if len(beside) == 1:

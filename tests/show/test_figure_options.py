@@ -1,0 +1,101 @@
+"""Every figure of every model takes every option of `ecume plot`: a format, a width, no title, its numbers, two runs.
+
+The runs are recorded ones, and others of a few frames for figures that those have nothing of.
+"""
+
+from __future__ import annotations
+
+import csv
+import re
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import pytest
+from matplotlib.figure import Figure
+from tests.show.test_frame_reads import runs  # noqa: F401  # a fixture
+from typer.testing import CliRunner
+
+from ecume.cli import app
+from ecume.errors import BadInput
+from ecume.show.figures import FIGURES
+from ecume.show.publishing import Finish, curves_of, finished, points_of, together, written_data
+from ecume.show.style import save
+from ecume.trajectories.frame import Frame
+from ecume.trajectories.reader import open_trajectory
+
+GOLDEN = Path(__file__).parents[1] / "golden" / "0.1.0"
+NAMES = [(model, name) for model in FIGURES for name in FIGURES[model]]
+COLUMN = Finish(width=0.086, title=False)
+POINT = 0.0254 / 72.0
+SAMPLES = {(model, "samples") for model in FIGURES}
+OF_OPENINGS = {("tracers", name) for name in ("residence", "breakthrough", "deposition", "efficiency")}
+OF_STRESSES = {("soft", name) for name in ("creep", "moduli", "large-oscillation", "relaxation", "recovery")}
+UNTRIED = SAMPLES | OF_OPENINGS | OF_STRESSES
+"""Figures of which no run here has anything."""
+cli = CliRunner()
+
+
+def drawn(few: Mapping[str, Any], touching: tuple[Any, Sequence[Frame]], model: str, name: str) -> Figure | None:
+    """The figure of a recorded run, or of a few frames; None if neither has anything of the kind."""
+    with open_trajectory(GOLDEN / model) as golden:
+        sources: list[tuple[Any, Sequence[Frame]]] = [(golden.scene, golden), few[model]]
+        sources += [touching] if model == "floating" else []
+        for scene, frames in sources:
+            try:
+                return FIGURES[model][name](frames, scene)
+            except BadInput:
+                continue
+    return None
+
+
+@pytest.mark.sampled(2)
+@pytest.mark.parametrize(("model", "name"), NAMES)
+def test_a_figure_takes_each_option(
+    runs: Any,  # noqa: F811
+    scene: Any,
+    frames: Any,
+    model: str,
+    name: str,
+    tmp_path: Path,
+) -> None:
+    closer = [one._replace(arrays={**one.arrays, "position": 0.94 * one.arrays["position"]}) for one in frames]
+    figures = [drawn(runs, (scene, closer), model, name) for _ in range(3)]
+    one, other, narrow = (figure or Figure() for figure in figures)
+    if figures[0] is None:
+        assert (model, name) in UNTRIED
+        return
+    titles = [axes.get_title(place) for axes in narrow.axes for place in ("left", "center", "right")]
+    assert [*filter(None, titles), narrow.get_suptitle()]
+    svg = save(finished(narrow, COLUMN), tmp_path / "narrow.svg").read_text(encoding="utf-8")
+    width = re.search(r'width="([0-9.]+)pt"', svg)
+    assert width is not None
+    assert float(width[1]) * POINT == pytest.approx(0.086, abs=1e-4)
+    assert not any(axes.get_title(place) for axes in narrow.axes for place in ("left", "center", "right"))
+    if len(narrow.axes) == 1:
+        assert narrow.axes[0].get_position().width > 0.6
+    curves = [curve for axes in one.axes for curve in curves_of(axes)]
+    if not curves:
+        with pytest.raises(BadInput, match="picture without curves"):
+            written_data(one, tmp_path / "none.csv")
+        with pytest.raises(BadInput, match="is a picture"):
+            together([("one", one), ("other", other)])
+        return
+    rows = list(csv.DictReader(written_data(one, tmp_path / "data.csv").read_text().splitlines()))
+    assert len(rows) == sum(len(points_of(curve.line)) for curve in curves)
+    both = together([("one", one), ("other", other)])
+    assert sum(len(curves_of(axes)) for axes in both.axes) == 2 * len(curves)
+    assert save(both, tmp_path / "both.pdf").read_bytes().startswith(b"%PDF")
+
+
+@pytest.mark.parametrize("model", FIGURES)
+@pytest.mark.parametrize(("form", "start"), [("svg", b"<?xml"), ("pdf", b"%PDF"), ("png", b"\x89PNG")])
+def test_all_figures_of_a_run_go_to_a_folder_in_a_format(model: str, form: str, start: bytes, tmp_path: Path) -> None:
+    chosen = {"floating": "energies", "sph": "center", "soft": "stress", "tracers": "displacement"}[model]
+    words = ["plot", str(GOLDEN / model), "-o", str(tmp_path / "figures"), "--format", form, "--width", "120 mm"]
+    done = cli.invoke(app, words if form == "svg" else [*words, "--what", chosen])
+    assert done.exit_code == 0, done.stderr
+    made = list((tmp_path / "figures").iterdir())
+    assert (tmp_path / "figures" / f"{chosen}.{form}") in made
+    assert len(made) == done.stdout.count("wrote ") >= (5 if form == "svg" else 1)
+    assert all(path.suffix == f".{form}" and path.read_bytes().startswith(start) for path in made)
