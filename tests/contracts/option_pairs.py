@@ -47,6 +47,15 @@ def frames_of(plain, laws=()):
         return [], "; ".join(fault.message for fault in refused.faults)
 
 
+def refusal(plain, laws=()):
+    """The reason why a scene is refused, which is found before the first step; an empty string if it is not."""
+    try:
+        next(iter(simulate(from_plain(plain), extra_laws=laws if "user_laws" in plain else ())))
+    except SceneError as refused:
+        return "; ".join(fault.message for fault in refused.faults)
+    return ""
+
+
 def broken(plain, frames):
     """What the model's own rows say is lost in these frames, as sentences."""
     scene = from_plain(plain)
@@ -122,8 +131,15 @@ class Pairs:
         else:
             require_sound(self.plain_of(one, other), frames)
 
+    def reason(self, one, other):
+        """None where both are choices of one key; why the pair is refused, by what was run already or by its start."""
+        if (one, other) in self._found:
+            frames, reason = self._found[one, other]
+            return None if frames is None else reason
+        if clash(self.options[one], self.options[other]):
+            return None
+        return refusal(self.plain_of(one, other), self.laws)
+
     def matrix(self):
         """What the page shows."""
-        found = {pair: self.outcome(*pair) for pair in self.names}
-        refusals = {pair: None if frames is None else reason for pair, (frames, reason) in found.items()}
-        return matrix(self.options, refusals)
+        return matrix(self.options, {pair: self.reason(*pair) for pair in self.names})

@@ -107,8 +107,9 @@ def test_half_a_run_of_a_tank_with_an_option(name):
 
 
 @pytest.mark.sampled(4)
-@pytest.mark.compiled
-@pytest.mark.parametrize("name", test_soft_option_pairs.OPTIONS)
+@pytest.mark.parametrize(
+    "name", [pytest.param(name, marks=test_soft_option_pairs.marks(name)) for name in test_soft_option_pairs.OPTIONS]
+)
 def test_half_a_run_of_soft_spheres_with_an_option(name):
     # Nothing but drag holds spheres without walls against their weight.
     plain = test_soft_option_pairs.plain_of(name, "hydrodynamics.drag" if name == "gravity" else name)

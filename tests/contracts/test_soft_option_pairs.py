@@ -9,8 +9,6 @@ import pytest
 from tests.contracts.option_pairs import Pairs, frames_of, merged, section, write_section
 from tests.models.soft.test_threads import threaded_loops
 
-pytestmark = pytest.mark.compiled
-
 
 def push(gap, parameters):
     """A repulsion (N) that decays with the gap."""
@@ -124,15 +122,18 @@ def plain_of(one, other):
 PAIRS = Pairs("soft.md", OPTIONS, plain_of, LAWS)
 
 
-def long(pair):
-    """Walls have contacts of their own, which are compiled by themselves."""
-    return any("wall" in name for name in pair)
+def marks(*options):
+    """Walls have contacts of their own, which are compiled by themselves. So would be a user's law with each option:
+    as plain Python it takes less, and `test_an_option_has_the_same_bits_in_threads` has it compiled.
+    """
+    long = [pytest.mark.long] * any("wall" in name for name in options)
+    return [*long, pytest.mark.uncompiled if "user law" in options else pytest.mark.compiled]
 
 
 @pytest.mark.sampled(6)
 @pytest.mark.parametrize(
     ("one", "other"),
-    [pytest.param(*pair, id="-".join(pair), marks=[pytest.mark.long] * long(pair)) for pair in PAIRS.names],
+    [pytest.param(*pair, id="-".join(pair), marks=marks(*pair)) for pair in PAIRS.names],
 )
 def test_a_pair_of_options_works_or_is_refused_for_a_reason(one, other):
     PAIRS.require_works_or_reason(one, other)
@@ -144,6 +145,7 @@ def bits(plain):
     return [array.tobytes() for frame in frames for array in frame.arrays.values()], refusal
 
 
+@pytest.mark.compiled
 @pytest.mark.sampled(4)
 @pytest.mark.parametrize("option", [name for name in OPTIONS if not name.startswith(("solver ", "gravity"))])
 def test_an_option_has_the_same_bits_in_threads(monkeypatch, option):
@@ -159,6 +161,7 @@ def test_an_option_has_the_same_bits_in_threads(monkeypatch, option):
 
 
 @pytest.mark.long
+@pytest.mark.compiled
 def test_the_page_shows_which_options_go_together():
     assert section(PAIRS.page) == PAIRS.matrix()
 

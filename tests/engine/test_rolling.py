@@ -10,6 +10,9 @@ from ecume.engine.contact.impulse_solvers import Tolerance
 from ecume.engine.contact.rolling import RollingContacts
 from ecume.engine.walls import no_walls
 
+pytestmark = pytest.mark.uncompiled
+"""Compiled, these solvers are those of floats that roll: `tests.models.floating.test_rolling_friction`."""
+
 
 def solved(position, motion, radius, coefficient, *, friction=0.5, reach=1e-6):
     """The contacts of discs after a solve, with their rows and the number of sweeps."""

@@ -14,6 +14,8 @@ from ecume.engine.contact.separation import separate
 from ecume.engine.outlines import Stance
 from ecume.engine.walls import box, enclosed_by, no_walls
 
+pytestmark = pytest.mark.uncompiled
+"""Compiled, these solvers are those of floats that have outlines: `tests.models.floating.test_shapes`."""
 GOAL = Tolerance(1e-12, 1e-9)
 
 

@@ -60,8 +60,6 @@ def worst(found: Array, expected: Array) -> float:
     return float(np.max(np.linalg.norm(found - expected, axis=1) / np.linalg.norm(expected, axis=1)))
 
 
-@pytest.mark.long
-@pytest.mark.compiled
 @in_lammps
 @pytest.mark.parametrize(("place", "ranks"), [("profile", 1), ("image", 2), ("cell", 2)])
 def test_forces_in_lammps_are_ours(place: str, ranks: int) -> None:

@@ -128,8 +128,6 @@ velocities = [[0.3, -0.1]]
     assert 0.3 - found[4] == pytest.approx(0.1 * 0.1 * (1.0 + rebound), rel=1e-6)
 
 
-@pytest.mark.long
-@pytest.mark.compiled
 def test_overdamped_floats_move_as_ours(tmp_path: Path) -> None:
     scene = scene_of(DISH + """
 [integration]

@@ -1,6 +1,7 @@
 """The energy budget of soft spheres: exact where a force stays, and closing the better the finer the steps are."""
 
 import dataclasses
+import functools
 import math
 
 import numpy as np
@@ -191,21 +192,22 @@ COURSES = {
 }
 
 
+@functools.cache
+def numbers_of_a_course(course, scheme, tolerance):
+    found = list(simulate(stepped(packing(**RUN, **COURSES[course], frame_every=0.5), tolerance, scheme)))
+    names = ("shear_stress", "pressure", "injected_work", "dissipated_work", "total_energy")
+    return {name: np.array([frame.numbers[name] for frame in found]) for name in names}
+
+
 @pytest.mark.long
 @pytest.mark.compiled
-@pytest.mark.parametrize("course", COURSES)
 @pytest.mark.parametrize("scheme", ["tr-bdf2", "esdirk4"])
+@pytest.mark.parametrize("course", COURSES)
 def test_stresses_and_work_are_as_accurate_as_the_tolerance_says(course, scheme):
     """Against a run of the finest tolerance, in all frames, relative to the largest stress and to the work put in."""
-
-    def run(scheme, tolerance):
-        found = list(simulate(stepped(packing(**RUN, **COURSES[course], frame_every=0.5), tolerance, scheme)))
-        names = ("shear_stress", "pressure", "injected_work", "dissipated_work", "total_energy")
-        return {name: np.array([frame.numbers[name] for frame in found]) for name in names}
-
-    exact = run("esdirk4", 1e-9)
+    exact = numbers_of_a_course(course, "esdirk4", 1e-9)
     for tolerance in (1e-3, 1e-5):
-        for name, values in run(scheme, tolerance).items():
+        for name, values in numbers_of_a_course(course, scheme, tolerance).items():
             scale = np.abs(exact["injected_work" if name == "total_energy" else name]).max()
             assert np.abs(values - exact[name]).max() < error_of_run(scheme, tolerance) * scale, name
 
