@@ -176,3 +176,12 @@ def test_faults_come_with_the_slips_that_may_cause_them(verb: str) -> None:
     assert any("liquid.temperature: " in line for line in others)
     assert not any("liquid.temperature: got 1e+09 K, " in line for line in (*others, last))
     assert "particles[0].radius: got 20 m, more than 100 mm; plain numbers are in SI units: 20 um?" in last
+
+
+def test_a_table_that_is_written_twice_is_one_fault() -> None:
+    """Its keys were faults of the table before it, too."""
+    cli.invoke(app, ["new", "cereal-bowl"])
+    scene = Path("cereal-bowl.toml")
+    scene.write_text(scene.read_text(encoding="utf-8") + "\n[dish]\nradius = 0.04\n", encoding="utf-8")
+    (line,) = cli.invoke(app, ["check", str(scene)]).stderr.splitlines()
+    assert "Cannot declare ('dish',) twice; expected each table once" in line

@@ -43,6 +43,8 @@ def merged(error: SceneError, file: File, overrides: Sequence[str], examine: Cal
         text, syntax = without_bad_lines(source_of(file))
     except SceneError:  # the file does not exist
         return list(error.faults)
+    if any("twice" in fault.message for fault in syntax):
+        return syntax  # the keys of the second table would be faults of the table before it
     faults = [*syntax] if syntax else list(error.faults)
     if syntax:
         faults += _faults_of(text, overrides)
