@@ -98,6 +98,7 @@ def test_half_a_run_of_floats_with_an_option(names, monkeypatch):
     require_halves_to_make_a_whole(colliding_floats(*names))
 
 
+@pytest.mark.sampled(4)
 @pytest.mark.parametrize(
     "name",
     [pytest.param(name, marks=test_tank_options.marks((name,))) for name in test_tank_options.OPTIONS],

@@ -1,7 +1,6 @@
 """Every pair of options of a tank runs, and keeps what the model promises, or is refused with a physical reason."""
 
 import itertools
-import os
 import re
 from pathlib import Path
 
@@ -24,7 +23,6 @@ from ecume.run.invariant_monitor import Watch
 from ecume.scenes.schema import from_plain, to_plain
 
 PAGE = Path(__file__).parents[2] / "docs" / "physics" / "sph-options.md"
-PLAIN = os.environ.get("NUMBA_DISABLE_JIT") == "1"
 REGION = {"low": [0.0, 0.0], "high": [1.0, 1.0]}
 DRAG = {"liquid": {"viscosity": 0.02}}
 FULL = {"tank": {"high": [1.0, 1.0], "top": {}}, "fluid": [{**REGION, "velocity": [0.1, 0.0]}]}
@@ -152,10 +150,11 @@ def reason_of(names):
 
 
 def marks(pair):
-    """Pairs in 3D take too long as plain Python, and each compiles time steps of its own."""
-    return [pytest.mark.compiled, pytest.mark.long] if "3D" in pair else [pytest.mark.compiled] * PLAIN
+    """So many take too long as plain Python; each in 3D compiles time steps of its own."""
+    return [pytest.mark.compiled, *[pytest.mark.long] * ("3D" in pair)]
 
 
+@pytest.mark.sampled(6)
 @pytest.mark.parametrize(
     "pair",
     [pytest.param(pair, id=" + ".join(pair), marks=marks(pair)) for pair in TRIED],
@@ -192,6 +191,7 @@ def heavier(value):
 SCALED = [*((name,) for name in OPTIONS), *(pair for pair in PAIRS if "pressure_force = monaghan" in pair)]
 
 
+@pytest.mark.sampled(6)
 @pytest.mark.parametrize(
     "names",
     [pytest.param(each, id=" + ".join(each), marks=marks(each)) for each in SCALED],
