@@ -235,6 +235,16 @@ def test_obstacles_that_no_flow_goes_around_are_refused(name, periodic, obstacle
         MODELS["tracers"].parameters(scene_of(name, periodic, obstacles, high))
 
 
+def test_a_body_that_no_mesh_fits_is_refused_with_the_way_out():
+    dice = np.random.default_rng(0)
+    for count in (30, 12):
+        ways = dice.normal(size=(count, 3))
+        ways *= dice.uniform(0.6, 1.0, (count, 1)) / np.linalg.norm(ways, axis=1)[:, None]
+    body = {"vertices": (0.5 + 0.2 * ways).tolist()}
+    with pytest.raises(SceneError, match=r"no mesh fits the obstacles.*read with flow\.field"):
+        MODELS["tracers"].parameters(scene_of("duct", [], [body], (1, 1, 1)))
+
+
 def test_a_duct_in_two_dimensions_is_refused():
     plain = {
         "model": "tracers", "duration": 0.5, "frame_every": 0.5, "tank": {"high": [3.0, 1.0]},
