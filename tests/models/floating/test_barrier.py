@@ -5,13 +5,16 @@ import math
 import numpy as np
 import pytest
 
-from ecume.errors import SceneError
+from ecume.errors import BadInput, SceneError
 from ecume.laws import rafts
 from ecume.laws.flotation import Liquid
 from ecume.models import MODELS
 from ecume.models.floating.dishes import behind_barrier, field_of
 from ecume.models.liquids import liquid_of
 from ecume.scenes.schema import from_plain
+from ecume.show.floating.bowl import Bowl as Picture
+from ecume.show.play.bowl import Bowl as PlayedBowl
+from ecume.show.view.scenery import floating_stage
 from ecume.simulation import simulate
 
 RADIUS, SPEED = 1e-3, 0.005
@@ -208,3 +211,46 @@ def test_a_raft_buckles_where_the_energy_of_its_softest_wave_vanishes(diameter):
     energy = modulus * q**4 + (0.072 - rafts.buckling_pressure(water, diameter)) * q**2 + weight
     assert energy.min() == pytest.approx(0.0, abs=1e-6 * weight)
     assert 2.0 * math.pi / q[np.argmin(energy)] == pytest.approx(longest, rel=1e-3)
+
+
+def drawn(seed):
+    """Floats of two sizes, a barrier that compresses and expands them, menisci, friction and restitution by chance."""
+    dice = np.random.default_rng(seed)
+    law, side = str(dice.choice(["meniscus", "none", "profile"])), str(dice.choice(list(SIDES)))
+    integrator = str(dice.choice(["velocity-verlet", "semi-implicit-euler", "explicit-euler"]))
+    table = {"times": [0.0, 0.02, 0.05, 0.06], "positions": [0.0, *dice.uniform(0.0, 3e-3, 3).tolist()]}
+    species = [
+        {"radius": float(dice.uniform(5e-4, 1.5e-3)), "density": float(dice.uniform(300.0, 1500.0)),
+         "contact_angle": float(dice.uniform(0.8, 2.0)), "count": 3}
+        for _ in range(2)
+    ]  # fmt: skip
+    return trough(
+        None, integrator=integrator, particles=species, interaction={}, duration=0.06, frame_every=0.01, seed=seed,
+        barrier={"velocity": None, "start": 0.0, "side": side, "both": bool(dice.random() < 0.5), **table},
+        dish={"size": [0.026, 0.028], "law": law, "contact_angle": float(dice.uniform(0.4, 2.6)),
+              "restitution": float(dice.choice([0.0, 0.5, 1.0])), "friction": float(dice.choice([0.0, 0.4]))},
+        hydrodynamics={"drag": str(dice.choice(["stokes", "schiller-naumann"]))},
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_random_rafts_keep_their_budget_and_stay_between_the_walls(seed):
+    scene = drawn(seed)
+    frames = list(simulate(scene))
+    left = np.array([frame.numbers["total_energy"] - frame.numbers["injected_work"] for frame in frames])
+    moved = max(np.ptp(left), *(abs(frame.numbers["barrier_work"]) for frame in frames))
+    assert np.diff(left).max() <= 1e-3 * moved + 1e-18
+    assert all(frame.numbers["largest_overlap"] < 1e-3 * frame.arrays["radius"].min() for frame in frames)
+    assert frames[-1].numbers["unconverged_steps"] == 0.0
+
+
+def test_games_and_pages():
+    scene = trough([[0.0, 0.0]], dish={"law": "meniscus"}, barrier={"start": 0.005}, duration=0.1, frame_every=0.05)
+    frames = list(simulate(scene))
+    with pytest.raises(BadInput, match="barrier"):
+        PlayedBowl(scene)
+    outline = floating_stage(scene, frames).movers(frames[-1])
+    assert np.array(outline)[0, :, 0].max() == pytest.approx(-0.02 + frames[-1].numbers["barrier_position"])
+    picture = Picture(scene, frames)
+    first, last = (np.array(picture.pixels(frame)) for frame in (frames[0], frames[-1]))
+    assert not np.array_equal(first, last)

@@ -20,6 +20,7 @@ import numpy as np
 
 from ecume._jit import compiled, compiled_inside
 from ecume.engine.cells import Integers
+from ecume.engine.contact.contacts import normal_velocities
 from ecume.engine.walls import Walls, wall_count
 from ecume.laws import rafts
 from ecume.models.floating.dishes import acts, wall_energy, wall_force, wall_law_of
@@ -42,6 +43,8 @@ ELAPSED, PLACE, STOPPED, DONE, MEAN, LENGTH = range(SUMS + COUNT, SUMS + COUNT +
 """Indices of `State.tally`: the time since the last frame (s), the distance of the barrier from its side (m), whether
 it has stopped, its work (J), the mean pressure (N/m); and their end.
 """
+SQUEEZED = 0.01
+"""The approach of a contact that has no room, over the speed of the barrier, which a row of a hundred shares."""
 SMOOTHING = 0.1
 """The way over which the pressure is averaged, over the smallest radius."""
 RADII = 0.2
@@ -166,7 +169,9 @@ def carry_barrier(
     tally, pushed = state.tally, 0.0
     for number in part.walls:
         pushed += tally[PUSHES + number]
-    if pushed > 0.0 and scratch.step[2] != 0.0 and tally[UNCONVERGED] > scratch.step[3]:
+    unsolved = pushed > 0.0 and scratch.step[2] != 0.0 and tally[UNCONVERGED] > scratch.step[3]
+    # Contacts with friction may fail to converge, too, but with smaller approaches.
+    if unsolved and fastest_approach(workspace) > SQUEEZED * abs(scratch.step[2]):
         tally[STOPPED], scratch.step[1] = 1.0, scratch.step[0]
         tally[UNCONVERGED] = scratch.step[3]
         for number in range(COUNT):
@@ -177,6 +182,16 @@ def carry_barrier(
     middle = 0.5 * (scratch.step[0] + scratch.step[1])
     add_work_of_menisci(part, scratch, parameters, state, (scratch.step[0], middle))
     put_walls(part, scratch.offset, scratch.step[1])
+
+
+@compiled
+def fastest_approach(workspace: Workspace) -> float:
+    """The highest speed at which contacts still close more than their gaps after their solve (m/s)."""
+    contacts, fastest = workspace.contacts, 0.0
+    normal_velocities(contacts, workspace.midstep_velocity, contacts.scratch)
+    for row in range(contacts.total[0]):
+        fastest = max(fastest, contacts.bound[row] - contacts.scratch[row])
+    return fastest
 
 
 @compiled
