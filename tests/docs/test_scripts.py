@@ -13,8 +13,8 @@ from ecume.scenes.load import load_scene
 from ecume.scenes.templates import folder
 
 MAIN = 'if __name__ == "__main__":'
-PARTS = 4
-"""Processes that draw the figures."""
+PARTS = 8
+"""Processes that draw the figures, one after the other."""
 SHELL = {
     "audit": None,  # asks the package index
     "demo": "--help",
