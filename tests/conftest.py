@@ -4,6 +4,7 @@ import contextlib
 import gc
 import os
 import signal
+import threading
 import zlib
 from collections import Counter
 from pathlib import Path
@@ -74,21 +75,23 @@ class Measuring:
 
 
 class Compilations(event.Listener):
-    """Pauses while Numba compiles, after the first functions."""
+    """Pauses while Numba compiles in the thread of the tests, after the first functions."""
 
     def __init__(self, measuring):
         self.measuring, self.begun, self.depth = measuring, 0, 0
 
     def on_start(self, event):
-        self.begun += 1
-        self.depth += 1
-        if self.depth == 1 and self.begun > MEASURED_COMPILATIONS:
-            self.measuring.pause("a compilation")
+        if threading.current_thread() is threading.main_thread():
+            self.begun += 1
+            self.depth += 1
+            if self.depth == 1 and self.begun > MEASURED_COMPILATIONS:
+                self.measuring.pause("a compilation")
 
     def on_end(self, event):
-        self.depth -= 1
-        if self.depth == 0:
-            self.measuring.resume("a compilation")
+        if threading.current_thread() is threading.main_thread():
+            self.depth -= 1
+            if self.depth == 0:
+                self.measuring.resume("a compilation")
 
 
 # Where scripts/test asks for it.
