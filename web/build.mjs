@@ -49,7 +49,7 @@ for (const name of [...sources.map((one) => `src/${one}`), "build.mjs", "package
 }
 
 writeFileSync(join(out, "view.js"), await bundled("main.ts"));
-for (const name of ["play", "tank", "t1", "solver", "cluster"]) writeFileSync(join(out, `${name}.js`), await bundled(`${name}.ts`));
+for (const name of ["play", "tank", "t1", "solver", "cluster", "pool"]) writeFileSync(join(out, `${name}.js`), await bundled(`${name}.ts`));
 for (const name of ["play.html", "tank.html", "t1.html"]) writeFileSync(join(out, name), framed(name));
 writeFileSync(join(out, "play.css"), source("play.css"));
 writeFileSync(join(out, "view.css"), style);

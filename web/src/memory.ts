@@ -10,7 +10,7 @@ export interface Compiled {
 }
 
 const RESULT = 64; // bytes of the block before the arguments
-const BYTES: Record<string, number> = { float64: 8, int64: 8, uint32: 4 };
+const BYTES: Record<string, number> = { float64: 8, int64: 8, record: 8, uint32: 4, int32: 4 };
 
 /** The memory of arguments, in a bowl for so many floats. */
 export class Memory {
@@ -59,8 +59,10 @@ export class Memory {
       const [type] = kind.split(" ");
       this.places.set(name, { at: arrays[k], kind: type, count: product(shape) });
       if (Array.isArray(value)) this.put(name, value);
-      const strides = shape.map((_, axis) => BYTES[type] * product(shape.slice(axis + 1)));
-      for (const number of [0, 0, product(shape), BYTES[type], arrays[k], ...shape, ...strides]) {
+      const axes = type === "record" ? shape.slice(0, -1) : shape;
+      const bytes = BYTES[type] * (type === "record" ? shape[shape.length - 1] : 1);
+      const strides = axes.map((_, axis) => bytes * product(axes.slice(axis + 1)));
+      for (const number of [0, 0, product(axes), bytes, arrays[k], ...axes, ...strides]) {
         this.view.setBigInt64(at, BigInt(number), true);
         at += 8;
       }
@@ -73,7 +75,7 @@ export class Memory {
     const view = this.fresh();
     for (let k = 0; k < values.length; k++) {
       if (kind === "float64") view.setFloat64(at + 8 * k, Number(values[k]), true);
-      else if (kind === "uint32") view.setUint32(at + 4 * k, Number(values[k]), true);
+      else if (BYTES[kind] === 4) view.setUint32(at + 4 * k, Number(values[k]), true);
       else view.setBigInt64(at + 8 * k, BigInt(values[k]), true);
     }
   }
@@ -82,6 +84,12 @@ export class Memory {
   numbersOf(name: string): Float64Array {
     const { at, count } = this.places.get(name)!;
     return new Float64Array(this.memory.buffer, at, count);
+  }
+
+  /** The numbers of an array of int64. */
+  protected wholes(name: string): number[] {
+    const { at, count } = this.places.get(name)!;
+    return Array.from(new BigInt64Array(this.memory.buffer, at, count), Number);
   }
 
   /** Call an entry with at most RESULT / 8 numbers; where its result is. */

@@ -1,7 +1,8 @@
-// A tank to play with: what hands do here is simulated by the program that gave out this page.
+// A tank to play with, simulated in the page or by the program that gave it out.
 
-import type { Poured } from "./asking";
+import type { Asking, Poured } from "./asking";
 import { type Basin, FINEST, Picture, words } from "./basin";
+import { begun, beginning } from "./inside";
 import { bytes, choices, DEGREE, element, header, paintBar, themed, Toy } from "./toy";
 
 const basin = header<Basin>();
@@ -26,8 +27,8 @@ class Pool extends Toy<Poured> {
   private marked = false;
   private hand: { x: number; y: number; holds: boolean } | null = null;
 
-  constructor() {
-    super("tank", basin.title, basin.speeds);
+  constructor(asking?: Asking) {
+    super("tank", basin.title, basin.speeds, asking);
     choices(element("tools"), TOOLS.map((tool) => named(tool)), 0, (number) => (this.tool = TOOLS[number]));
     const colorings = basin.colorings.map(([name]) => name);
     choices(element("colorings"), colorings.map(named), 0, (number) => void this.act("color", { name: colorings[number] }));
@@ -148,4 +149,7 @@ class Pool extends Toy<Poured> {
   }
 }
 
-new Pool();
+beginning(async () => {
+  if (element("wasm")) new Pool((await begun("cases"))[0]);
+  else new Pool();
+});

@@ -1,32 +1,47 @@
-"""Writes the simulation of a page: build.py PYTHON FOLDER, where PYTHON has the package ziglang. See scripts/web."""
+"""Writes the simulation of a page: build.py PYTHON FOLDER [MODULE ...]. PYTHON has the package ziglang.
+
+See scripts/web.
+"""
 
 from __future__ import annotations
 
 import subprocess
 import sys
 import tempfile
+from functools import partial
 from pathlib import Path
+from types import FunctionType
 from typing import Any
 
 import ecume._jit
 
 # A page has one thread. Said before any module is imported that has loops over threads.
-ecume._jit.threaded = ecume._jit.compiled
+ecume._jit.threaded = ecume._jit.spread = ecume._jit.compiled
+ecume._jit.summing = partial(ecume._jit._dispatcher, cache=True, fastmath=ecume._jit.ANY_ORDER)
 
 import numba
+import numpy as np
 from numba_wasm import Entry, object_of
 
-from ecume.engine import root_finding
+from ecume import _portable
+from ecume._parts import overload
+from ecume.engine import cells, neighbor_rows, root_finding
+from ecume.laws import time_step_limits
 from ecume.models.floating.time_integration.integration import integrate, renew_lists
 from ecume.models.soft import protocol
 from ecume.models.soft.integration import step_control
 from ecume.models.soft.report import energy_budget
 from ecume.models.soft.t1 import cluster, cluster_steps
+from ecume.models.sph import state as tank_state
+from ecume.models.sph.boundaries import walls
+from ecume.models.sph.integration import particle_loops
 from ecume.scenes.load import load_scene
 from ecume.scenes.templates import folder
+from ecume.show.play import tank_steps
 from ecume.show.play.bowl import swung_along
 from ecume.show.play.four_spheres import cluster_arguments
 from ecume.show.play.memory import bowl_arguments, types_of
+from ecume.show.play.tank_alone import tank_arguments
 
 HERE = Path(__file__).parent
 FLAGS = ("--no-entry", "--strip-all", "--gc-sections", "--stack-first", "-z", "stack-size=1048576")
@@ -58,13 +73,54 @@ def of_cluster(arguments: dict[str, Any]) -> list[Entry]:
     return [*made, Entry("outcome", ecume._jit.compiled(cluster.outcome_at), (numba.float64,) * 3)]
 
 
+@overload(_portable.product)
+def _product(matrix: Any, vectors: Any) -> Any:
+    """The product of a vector with rows, in the order of the original."""
+
+    def of_rows(matrix: Any, vectors: Any) -> Any:
+        total = matrix[0] * vectors[0]
+        for k in range(1, len(matrix)):
+            total = total + matrix[k] * vectors[k]
+        return total
+
+    return of_rows
+
+
+@overload(_portable.dot)
+def _dot(one: Any, other: Any) -> Any:
+    return lambda one, other: np.sum(one * other)
+
+
+def tank() -> dict[str, Any]:
+    """The arguments of a tank."""
+    return tank_arguments(load_scene((folder() / "small-tank.toml").read_text(encoding="utf-8")))
+
+
+def of_tank(arguments: dict[str, Any]) -> list[Entry]:
+    """What the page of a tank calls: its beginning, steps, distances from walls, and tilts."""
+    ecume._jit.admit(cells, neighbor_rows, time_step_limits, tank_state, walls, particle_loops)
+    # Functions of a whole tank once each: written out where they are called they are ten times as much code.
+    for name, function in list(vars(tank_steps).items()):
+        if isinstance(function, FunctionType) and function.__module__ == tank_steps.__name__:
+            setattr(tank_steps, name, ecume._jit.compiled(function))
+    kinds = tuple(map(numba.typeof, arguments.values()))
+    parts = {"put": tank_steps.put_constant_fields, "gap": tank_steps.measure_gap, "lean": tank_steps.lean}
+    made = [Entry(name, function, kinds[:-1]) for name, function in parts.items()]
+    return [*made, Entry("advance", tank_steps.advance, kinds)]
+
+
 def run(*words: Any) -> None:
     """Run a command."""
     subprocess.run([str(word) for word in words], check=True)
 
 
-def build(python: str, target: Path) -> None:
-    """Compile, and link with Zig's elementary functions, and musl's pow."""
+INLINED = {"tank": 25}
+"""A step of a tank as one function takes LLVM several minutes."""
+MODULES = {"bowl": (bowl, of_bowl), "t1": (cluster_arguments, of_cluster), "tank": (tank, of_tank)}
+
+
+def build(python: str, target: Path, only: list[str]) -> None:
+    """Compile, and link with Zig's elementary functions, and musl's pow; all modules, or some."""
     zig = (python, "-m", "ziglang")
     found = subprocess.run([*zig, "env"], capture_output=True, text=True, check=True).stdout
     library = Path(next(line for line in found.splitlines() if "lib_dir" in line).split('"')[1])
@@ -79,15 +135,17 @@ def build(python: str, target: Path) -> None:
         options = ("-target", "wasm32-freestanding", "-O", "ReleaseFast", "-fstrip")
         run(*zig, "build-lib", library / "compiler_rt.zig", *options, "--name", "compiler", f"-femit-bin={archive}")
         run(*zig, "build-obj", HERE / "functions.zig", *options, f"-femit-bin={functions}")
-        for module, given, calls in (("bowl", bowl, of_bowl), ("t1", cluster_arguments, of_cluster)):
+        for module, (given, calls) in MODULES.items():
+            if module not in (only or MODULES):
+                continue
             arguments = given()
             made = calls(arguments)
             (target / f"{module}.types").write_text(types_of(arguments), encoding="utf-8")
-            (work / f"{module}.o").write_bytes(object_of(made))
+            (work / f"{module}.o").write_bytes(object_of(made, INLINED.get(module)))
             exports = [f"--export={one}" for one in (*EXPORTS, *(entry.name for entry in made))]
             objects = (work / f"{module}.o", work / "pow.o", functions, archive)
             run(*zig, "wasm-ld", *FLAGS, *exports, *objects, "-o", target / f"{module}.wasm")
 
 
 if __name__ == "__main__":
-    build(sys.argv[1], Path(sys.argv[2]))
+    build(sys.argv[1], Path(sys.argv[2]), sys.argv[3:])

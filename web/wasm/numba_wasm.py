@@ -162,8 +162,10 @@ def machine() -> Any:
     return target.create_target_machine(features=FEATURES, opt=3, reloc="static", codemodel="default")
 
 
-def object_of(entries: Iterable[Entry]) -> bytes:
-    """The object file of some entries, to be linked with exp, log and pow."""
+def object_of(entries: Iterable[Entry], inlined: int | None = None) -> bytes:
+    """The object file of some entries, to be linked with exp, log and pow. `inlined` is the cost up to which LLVM
+    writes functions out where they are called; None: its own.
+    """
     writer = machine()
     whole = llvm.parse_assembly(f'target triple = "{writer.triple}"\n{RUNTIME}')
     kept = {"memory_from"}
@@ -177,6 +179,8 @@ def object_of(entries: Iterable[Entry]) -> bytes:
     whole.verify()
     options = llvm.create_pipeline_tuning_options(speed_level=3)
     options.loop_vectorization = options.slp_vectorization = True
+    if inlined is not None:
+        options.inlining_threshold = inlined
     passes = llvm.create_pass_builder(writer, options)
     passes.getModulePassManager().run(whole, passes)
     emitted: bytes = writer.emit_object(whole)

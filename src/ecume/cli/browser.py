@@ -41,8 +41,8 @@ def view(
     """Play a run in the browser, or simulate a scene there.
 
     The page is a single HTML file that needs neither a server nor a network. Of a scene it simulates floats in a dish,
-    with the same compiled laws: drop and drag floats, tilt the dish, change the liquid; or the four spheres of a T1
-    process: change their gap and the forces.
+    with the same compiled laws: drop and drag floats, tilt the dish, change the liquid; a tank of water in 2D: pour,
+    open a gate, tilt; or the four spheres of a T1 process: change their gap and the forces.
 
     Examples: `ecume view runs/bowl` · `ecume view runs/bowl --save bowl.html --max-size 8`
     · `ecume view runs/bowl --live` · `ecume view bowl.toml --save bowl.html`
@@ -125,7 +125,8 @@ def play(
 
     A bowl: drop and drag floats, tilt the dish, change the liquid. A tank: pour liquid, open a gate, push a wall, tilt.
     A T1 process: change the gap and the forces.
-    A bowl is simulated in the page where its laws are compiled into pages, otherwise by this program.
+    A bowl is simulated in the page where its laws are compiled into pages, otherwise by this program; so is a tank,
+    whose walls a page does not move.
 
     Ends with Ctrl-C. `save as scene` on the page writes the present state as a scene in TOML.
 
@@ -144,7 +145,7 @@ def play(
     given = scene or (folder() / f"{name}.toml").read_text(encoding="utf-8")
     asked = load_scene(given, [*usual, *(overrides or [])])
     echo("starting; the first start compiles, which can take minutes ...")
-    if not refusal(asked):
+    if asked.model != "sph" and not refusal(asked):
         with served(Written(alone(asked), parts_of(asked))) as address, offered(address, "play; Ctrl-C ends it"):
             _wait()
         return

@@ -5,7 +5,7 @@ from __future__ import annotations
 import base64
 import gzip
 import json
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from importlib import resources
 from pathlib import Path
 from typing import Any
@@ -14,12 +14,14 @@ from ecume.errors import BadInput
 from ecume.scenes.floating import FloatingScene, FloatSpec
 from ecume.scenes.load import load_scene
 from ecume.scenes.soft import SoftScene
+from ecume.scenes.sph import SphScene
 from ecume.scenes.templates import folder
 from ecume.show.play.bowl import FASTEST, GRASP, STEEPEST_DISH
 from ecume.show.play.four_spheres import offered_clusters, page_header, pulled_in
 from ecume.show.play.memory import bowl_arguments, types_of
 from ecume.show.play.offered import ROOM, Chapter, chapter
-from ecume.show.view.page import ALONE, FOUR_SPHERES, Parts, bundled, data_of, filled, hexadecimal, json_of
+from ecume.show.play.tank_alone import offered_tank, tank_header, tank_refusal
+from ecume.show.view.page import ALONE, BASIN, FOUR_SPHERES, Parts, bundled, data_of, filled, hexadecimal, json_of
 from ecume.trajectories.records import write_whole
 
 SPEEDS = (0.0, 0.25, 1.0, 4.0)
@@ -32,8 +34,11 @@ def refusal(scene: Any) -> str:
     """The reason why a page cannot simulate a scene; empty if it can."""
     if scene.model == "soft":
         return "" if pulled_in(scene) else "of soft spheres, a page simulates the four of a T1 process; got other ones"
+    if scene.model == "sph":
+        return tank_refusal(scene)
     if scene.model != "floating":
-        return f"a page simulates floats in a dish; got the model {scene.model!r}. `ecume view RUN` plays a run of it"
+        simulated = "a page simulates floats in a dish, tanks in 2D and a T1 process"
+        return f"{simulated}; got the model {scene.model!r}. `ecume view RUN` plays a run of it"
     if scene.dish is None:
         return 'a page simulates floats in a dish; write [dish] with radius = "4 cm", or play a run: `ecume view RUN`'
     if any(one.disc or one.shape or one.surface_energies or one.magnetic_moment or isinstance(one.contact_angle, str)
@@ -70,7 +75,10 @@ def chapters(scene: FloatingScene) -> list[Chapter]:
 
 def parts_of(scene: Any) -> Parts:
     """The files of the page."""
-    return FOUR_SPHERES if scene.model == "soft" else ALONE
+    return PARTS.get(scene.model, ALONE)
+
+
+PARTS = {"soft": FOUR_SPHERES, "sph": BASIN}
 
 
 def alone(scene: Any) -> str:
@@ -78,7 +86,7 @@ def alone(scene: Any) -> str:
     why = refusal(scene)
     if why:
         raise BadInput(why)
-    header, data = _of_cluster(scene) if scene.model == "soft" else _of_bowl(scene)
+    header, data = PAGES[scene.model](scene)
     given = [data_of("toy", "application/json", json_of(header)), *data]
     return filled(parts_of(scene), str(header["title"]), "\n".join(given), live=False)
 
@@ -88,6 +96,11 @@ def _of_cluster(scene: SoftScene) -> tuple[dict[str, Any], list[str]]:
     assert pulled is not None  # noqa: S101  # see `refusal`
     cases = json.dumps(offered_clusters(pulled), separators=(",", ":"), allow_nan=False)
     return page_header(scene), _data("cases", cases, "t1.wasm", "cluster.js")
+
+
+def _of_tank(scene: SphScene) -> tuple[dict[str, Any], list[str]]:
+    basins = json.dumps(offered_tank(scene), separators=(",", ":"), allow_nan=False)
+    return tank_header(scene), _data("cases", basins, "tank.wasm", "pool.js")
 
 
 def _data(name: str, numbers: str, wasm: str, worker: str) -> list[str]:
@@ -113,6 +126,13 @@ def _of_bowl(scene: FloatingScene) -> tuple[dict[str, Any], list[str]]:
     }
     liquids = json.dumps([one.liquids for one in made], separators=(",", ":"), allow_nan=False)
     return header, _data("liquids", liquids, "bowl.wasm", "solver.js")
+
+
+PAGES: dict[str, Callable[[Any], tuple[dict[str, Any], list[str]]]] = {
+    "floating": _of_bowl,
+    "soft": _of_cluster,
+    "sph": _of_tank,
+}
 
 
 def _packed(content: bytes) -> str:

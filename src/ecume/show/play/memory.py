@@ -34,13 +34,14 @@ def leaves(value: Any, name: str) -> Iterator[Named]:
 
 
 def kind_of(value: Any) -> str:
-    """The type of a number or an array: `float64`, `int64` or `bool`; of an array with its number of axes.
+    """The type of a number or an array: `float64`, `int64` or `bool`; of an array with its number of axes. Records of
+    numbers of eight bytes are `record`.
 
     >>> kind_of(np.zeros((2, 3))), kind_of(1), kind_of(True)
     ('float64 2', 'int64', 'bool')
     """
     if isinstance(value, np.ndarray):
-        return f"{value.dtype} {value.ndim}"
+        return f"record {value.ndim}" if value.dtype.names else f"{value.dtype} {value.ndim}"
     return {bool: "bool", int: "int64"}.get(type(value), "float64")
 
 
@@ -57,11 +58,22 @@ def slots(arguments: dict[str, Any]) -> list[list[Any]]:
     holders = holders_of([(name, value) for name, value in named if isinstance(value, np.ndarray) and value.size])
     for name, value in named:
         if isinstance(value, np.ndarray):
-            numbers = value.ravel().tolist() if value.any() else None
-            found.append([name, kind_of(value), list(value.shape), holders.get(name, numbers)])
+            found.append([name, kind_of(value), _shape_of(value), holders.get(name, _numbers_in(value))])
         else:
             found.append([name, kind_of(value), None, value.item() if isinstance(value, np.generic) else value])
     return found
+
+
+def _shape_of(array: Any) -> list[int]:
+    """The sizes of an array; a record counts as an axis."""
+    return [*array.shape, len(array.dtype.names)] if array.dtype.names else list(array.shape)
+
+
+def _numbers_in(array: Any) -> list[Any] | None:
+    """The numbers of an array; those of records as whole numbers with the same bits, in text, which JSON keeps."""
+    if array.dtype.names:
+        return [str(bits) for bits in array.view(np.int64).ravel().tolist()]
+    return array.ravel().tolist() if array.any() else None
 
 
 def holders_of(arrays: list[Named]) -> dict[str, str]:

@@ -340,7 +340,7 @@ class TankPage:
             "colors": _coded(np.clip(255.0 * values / most, 0.0, 255.0).astype(np.uint8)),
             "coloring": self.color,
             "most": most,
-            "solids": [_solid(shape, tank.scene.tank) for shape in tank.scene.obstacles],
+            "solids": [solid_corners(shape, tank.scene.tank) for shape in tank.scene.obstacles],
             "opened": tank.opened,
             "wall": tank.pushed,
             "leaning": tank.leaning,
@@ -368,7 +368,7 @@ def _coded(values: Any) -> str:
     return base64.b64encode(np.ascontiguousarray(values).tobytes()).decode()
 
 
-def _solid(spec: Any, tank: Any) -> list[list[float]]:
+def solid_corners(spec: Any, tank: Any) -> list[list[float]]:
     """The corners of a solid; a disc is a polygon with many corners."""
     shape = outline(spec, tank)
     if isinstance(shape, Round):

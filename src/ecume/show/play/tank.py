@@ -24,6 +24,7 @@ from ecume.models.sph.setup.choices import acoustic_damping_of, artificial_visco
 from ecume.models.sph.setup.shapes import free_of, solids_of
 from ecume.models.sph.state import make_state
 from ecume.scenes.sph import BaseExcitationSpec, MotionSpec, ObstacleSpec, ParticlesSpec, RegionSpec, SphScene
+from ecume.show.play.tank_steps import tilted
 from ecume.simulation import Integration
 from ecume.units import Array
 
@@ -112,10 +113,9 @@ def movable(scene: SphScene) -> bool:
 
 
 def tilting(scene: SphScene, angle: float) -> tuple[float, float]:
-    """The additional acceleration in a tilted tank (m/s^2): rotated gravity minus gravity."""
+    """The additional acceleration in a tilted tank (m/s^2)."""
     x, y = scene.gravity or (0.0, 0.0)
-    cosine, sine = math.cos(angle), math.sin(angle)
-    return x * (cosine - 1.0) - y * sine, x * sine + y * (cosine - 1.0)
+    return tilted(x, y, angle)
 
 
 def poured(scene: SphScene, material: Material, points: Array) -> Liquid:

@@ -55,6 +55,7 @@ VIEW = Parts("page.html", "view.css", "view.js")
 PLAY = Parts("play.html", "play.css", "play.js")
 TANK = Parts("tank.html", "play.css", "tank.js")
 ALONE = PLAY._replace(simulates=True)
+BASIN = TANK._replace(simulates=True)
 FOUR_SPHERES = Parts("t1.html", "play.css", "t1.js", simulates=True)
 
 

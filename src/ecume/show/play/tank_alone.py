@@ -1,0 +1,239 @@
+"""A 2D tank in a page that simulates: what it needs, and which tanks it cannot simulate.
+
+A page has one liquid with the equation of state of Tait, without viscosity, in walls at rest that reflect it. Energies
+and forces on walls are not counted: nothing in a page shows them.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import re
+from typing import Any
+
+import numpy as np
+
+from ecume.engine.vectors import Vector2
+from ecume.errors import BadInput
+from ecume.models import MODELS
+from ecume.models.sph.boundaries.walls import speed_of
+from ecume.models.sph.fields import FIELD, FIELDS, RATES, number
+from ecume.models.sph.parameters import Parameters
+from ecume.models.sph.rates.kernel_loops import WendlandC2, kernel_type
+from ecume.models.sph.rates.sums import CONTINUITY, PRESSURE
+from ecume.models.sph.setup.shapes import CLEARANCE
+from ecume.models.sph.state import MOST_SKIN, State, likely_neighbors
+from ecume.scenes.sph import SphScene
+from ecume.scenes.writing import to_toml
+from ecume.show.play.four_spheres import finite
+from ecume.show.play.memory import slots
+from ecume.show.play.pages import SPEEDS, TankPage, solid_corners
+from ecume.show.play.tank import JET, LADLE, MOST, ROOM, STEEPEST, Tank, fixed, require_playable
+from ecume.show.play.tank_steps import Basin, Drops, Room, Walls
+
+LISTS = 2
+"""Room for neighbors over what a full lattice needs."""
+IMAGES, MORE_IMAGES = 3, 500
+"""Room for images: so many for each particle, and some more. In a corner a particle has three."""
+LARGEST = 5000
+"""Particles that a page has room for at the start."""
+
+
+def basin_of(parameters: Parameters) -> Basin:
+    """What does not change in a step."""
+    boundary = parameters.boundary
+    equation: Any = parameters.equation_of_state
+    kernel: Any = kernel_type(parameters.constants)
+    rise = [float(number(parameters.constants, name)) for name in ("rise_x", "rise_y")]
+    found: Basin = copied(
+        Basin(
+            time_step=parameters.time_step,
+            support=parameters.support,
+            courant=parameters.courant,
+            bulk_viscosity=parameters.bulk_viscosity,
+            by_mass=parameters.pressure_force.by_mass,
+            per_volume=parameters.pressure_force.per_volume,
+            walls_clip=parameters.walls_clip,
+            repulsion=speed_of(parameters),
+            equation_of_state=equation,
+            constants=parameters.constants,
+            kernel=kernel,
+            like=Vector2(0.0, 0.0),
+            gravity=parameters.gravity,
+            upright=parameters.gravity,
+            rise=np.array(rise),
+            spring=parameters.density_diffusion.rise(parameters.material.density, parameters.material.sound_speed),
+            bounds=parameters.bounds,
+            rows=np.array([CONTINUITY[parameters.density_diffusion.row].rows, PRESSURE.rows]),
+            walls=Walls(
+                boundary.sides, boundary.table, boundary.guard, boundary.dummies.position, boundary.dummies.volume
+            ),
+        )
+    )
+    return found
+
+
+def copied(value: Any) -> Any:
+    """Nested tuples with copies of their arrays, row after row in memory."""
+    if isinstance(value, np.ndarray):
+        return value.copy("C")
+    if isinstance(value, tuple):
+        return type(value)(*map(copied, value)) if hasattr(value, "_fields") else tuple(map(copied, value))
+    return value
+
+
+def drops_of(state: State) -> Drops:
+    """The liquid."""
+    found: Drops = copied(Drops(*(getattr(state, name) for name in Drops._fields)))
+    return found
+
+
+def room_for(parameters: Parameters, count: int) -> Room:
+    """Scratch for so many particles."""
+    real = count + parameters.boundary.dummies.position.shape[1]
+    columns = real + IMAGES * count + MORE_IMAGES
+    neighbors = LISTS * int(likely_neighbors(2, (1.0 + MOST_SKIN) * parameters.support / parameters.spacing))
+    return Room(
+        table=np.zeros((FIELDS, columns)),
+        rates=np.zeros((RATES, count)),
+        records=np.zeros((columns, 8)),
+        counts=np.zeros(real, np.int32),
+        start=np.zeros(real + 1, np.int64),
+        neighbor=np.zeros(neighbors * real, np.int32),
+        source=np.zeros(columns - real, np.int64),
+        first=np.zeros(len(parameters.boundary.sides.normal) + 1, np.int64),
+        asked=np.zeros(2),
+        answer=np.zeros(1),
+    )
+
+
+def tank_arguments(scene: SphScene) -> dict[str, Any]:
+    """The arguments of the compiled steps, at the start of a scene."""
+    parameters = parameters_of(scene)
+    return arguments_in(parameters, drops_of(MODELS["sph"].start(scene, parameters)))
+
+
+def parameters_of(scene: SphScene) -> Parameters:
+    """The parameters of a scene whose numbers do not follow from the liquid that is there."""
+    parameters: Parameters = MODELS["sph"].parameters(fixed(scene))
+    return parameters
+
+
+def arguments_in(parameters: Parameters, drops: Drops) -> dict[str, Any]:
+    """The same for any liquid."""
+    room = room_for(parameters, drops.position.shape[1])
+    return {"basin": basin_of(parameters), "drops": drops, "room": room, "steps": 0}
+
+
+def tank_refusal(scene: SphScene) -> str:
+    """The reason why a page cannot simulate a tank; empty if it can."""
+    try:
+        require_playable(scene)
+    except BadInput as refused:
+        return str(refused).replace("play supports", "a page simulates")
+    if scene.user_laws:
+        return "a page has no laws of users"
+    parameters = parameters_of(scene)
+    there = [name for name, is_there in not_in_pages(parameters).items() if is_there]
+    if there:
+        return f"a page simulates tanks of water with the usual method; this one has {' and '.join(there)}"
+    count = len(MODELS["sph"].start(scene, parameters).mass)
+    if count > LARGEST:
+        return f"a page has room for {LARGEST} particles; got {count}; use a wider spacing"
+    return ""
+
+
+def not_in_pages(parameters: Parameters) -> dict[str, bool]:
+    """What steps in a page omit, and whether a tank has it."""
+    force, guard = parameters.pressure_force, parameters.boundary.guard
+    return {
+        "periodic sides": bool((parameters.boundary.sides.mirrors == 0).any()),
+        "a viscosity": parameters.friction is not None or parameters.viscosity_varies,
+        "a surface tension": parameters.tension != "none",
+        "drawn obstacles": bool(parameters.bodies.drawn),
+        "a lid on a full tank": parameters.fixed_volume,
+        "walls without mirrors": guard.reach == 0.0 or not len(guard.weights),
+        f"the integrator {parameters.integrator!r}": parameters.integrator != "symplectic",
+        "another pressure force": force.transported or force.corrected,
+        "a density diffusion with gradients": parameters.density_diffusion.gradients,
+        "shifting": parameters.transports,
+        "another kernel": not isinstance(kernel_type(parameters.constants), WendlandC2),
+        "single precision": parameters.precision is not np.float64,
+    }
+
+
+def offered_tank(scene: SphScene) -> dict[str, Any]:
+    """What the worker of a page has: the tank with each number of open gates, and the liquid at the start."""
+    first, parameters = fixed(scene), parameters_of(scene)
+    liquid = drops_of(MODELS["sph"].start(first, parameters))
+    count, material, spacing = len(liquid.mass), parameters.material, scene.spacing
+    gates = [number for number, solid in enumerate(first.obstacles) if not solid.hollow]
+    cases = [
+        dataclasses.replace(
+            first, obstacles=tuple(each for number, each in enumerate(first.obstacles) if number not in gates[:opened])
+        )
+        for opened in range(len(gates) + 1)
+    ]
+    page = TankPage(Tank(scene))
+    return {
+        "slots": [finite_slots(parameters_of(case), liquid) for case in cases],
+        "solids": [[solid_corners(one, case.tank) for one in case.obstacles] for case in cases],
+        "scenes": [without_liquid(to_toml(case)) for case in cases],
+        "liquid": {name: np.asarray(getattr(liquid, name)).T.tolist() for name in PER_PARTICLE},
+        "colors": [region.color for region in scene.fluid],
+        "low": page.low.tolist(),
+        "high": page.high.tolist(),
+        "top": list(scene.tank.high),
+        "ends": {"speed": material.fastest, "pressure": 0.5 * material.density * material.fastest**2},
+        "density": material.density,
+        "spacing": spacing,
+        "clearance": [2.0 * CLEARANCE * spacing, CLEARANCE * spacing],
+        "room": ROOM,
+        "jet": JET,
+        "ladle": LADLE,
+        "most": max(MOST, count),
+        "steepest": STEEPEST,
+        "fields": FIELDS,
+        "pressure": FIELD.pressure,
+    }
+
+
+def without_liquid(text: str) -> str:
+    r"""The text of a scene file without its tables of liquid.
+
+    >>> without_liquid("spacing = 1\n\n[[fluid]]\nlow = 1\n\n[fluid.particles]\n\n[tank]\n")
+    'spacing = 1\n\n[tank]\n'
+    """
+    tables = re.split(r"^(?=\[)", text, flags=re.MULTILINE)
+    return "".join(one for one in tables if not one.startswith(("[[fluid]]", "[fluid.")))
+
+
+PER_PARTICLE = ("position", "velocity", "density", "mass", "region")
+
+
+def finite_slots(parameters: Parameters, liquid: Drops) -> list[list[Any]]:
+    """The arguments, with the sizes of arrays by the number of particles. The page writes what each particle has."""
+    one = finite(slots(arguments_in(parameters, liquid)))
+    other = finite(slots(arguments_in(parameters, with_another(liquid))))
+    return [_sized(own, more, len(liquid.mass)) for own, more in zip(one, other, strict=True)]
+
+
+def _sized(own: list[Any], more: list[Any], count: int) -> list[Any]:
+    name, kind, sizes, _ = own
+    if sizes is None or sizes == more[2]:
+        return own
+    pairs = [
+        [after - size, size - (after - size) * count] for (_, size), (_, after) in zip(sizes, more[2], strict=True)
+    ]
+    return [name, kind, pairs, None]
+
+
+def with_another(liquid: Drops) -> Drops:
+    """The same with one more particle."""
+    count = len(liquid.mass)
+    longer: Any = (np.concatenate([one, one[..., :1]], axis=-1) if one.shape[-1] == count else one for one in liquid)
+    return Drops(*longer)
+
+
+def tank_header(scene: SphScene) -> dict[str, Any]:
+    """What the page of a tank reads at once. Its walls stay where they are."""
+    return {"speeds": SPEEDS, **TankPage(Tank(scene)).header(), "movable": False}

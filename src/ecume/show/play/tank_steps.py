@@ -1,0 +1,398 @@
+"""Steps of a 2D tank in the order of `ecume.models.sph.integration.time_stepping`, with all arrays in place.
+
+Python runs these functions as they are, around the loops that the model compiles, with the bits of the model; pages
+have all of it compiled. What the model decides from the scene, step by step, is decided once here: see
+`ecume.show.play.tank_alone`, which also says what a page omits.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ecume.engine.cells import Integers, Sides, behind, distance_before
+from ecume.engine.neighbor_rows import (
+    SLICES,
+    STRIDE,
+    Grid,
+    Lists,
+    Slots,
+    Sorted,
+    _counting_sort,
+    _longest_run,
+    _search,
+)
+from ecume.engine.vectors import Vector2
+from ecume.engine.walls import reflect_all
+from ecume.engine.walls.sheets import worst_gap
+from ecume.laws.time_step_limits import acoustic_limit, force_limit
+from ecume.models.model import CROWDED, DIVERGED, DONE, EXCHANGE
+from ecume.models.sph.boundaries.walls import _move_inside, brake, flag_outside, repel
+from ecume.models.sph.fields import FIELD, Constants, Tait
+from ecume.models.sph.integration.particle_loops import advance_density, drift, farthest, kick, largest
+from ecume.models.sph.integration.time_stepping import MOST_DIVISIONS
+from ecume.models.sph.parameters import Guard
+from ecume.models.sph.rates.fill_fields import fill_images, fill_liquid, fill_weights, read_liquid
+from ecume.models.sph.rates.kernel_loops import WendlandC2
+from ecume.models.sph.rates.neighbor_sums import fill_records
+from ecume.models.sph.rates.sums import CONTINUITY, PRESSURE, store_acceleration, store_density_rate
+from ecume.models.sph.state import GUARD_HITS, RENEWALS, SORT_EVERY, SUBSTEPS, skin_for
+from ecume.units import Array
+
+sum_continuity, sum_pressure = CONTINUITY[FIELD.enthalpy].loop, PRESSURE.loop
+OF_CONTINUITY, OF_PRESSURE = range(2)
+"""Rows of `Tank.rows`."""
+
+
+class Walls(NamedTuple):
+    """Everything that confines the liquid."""
+
+    sides: Sides
+    table: Array
+    """the same as `fill_fields.fill_images` reads it"""
+    guard: Guard
+    position: Array
+    """(2, D) of dummies"""
+    volume: Array
+    """(D,) of dummies"""
+
+
+class Basin(NamedTuple):
+    """What does not change in a step: fields named as those of `Parameters`."""
+
+    time_step: float
+    support: float
+    courant: float
+    bulk_viscosity: float
+    by_mass: bool
+    per_volume: bool
+    walls_clip: bool
+    repulsion: float
+    """m/s, `walls.speed_of`"""
+    equation_of_state: Tait
+    constants: Constants
+    kernel: WendlandC2
+    like: Vector2
+    gravity: Array
+    """at present"""
+    upright: Array
+    """the gravity of a tank that does not lean"""
+    rise: Array
+    """(2,) the gradient of the diffusing field at rest, then"""
+    spring: float
+    """its change over that of gravity, `DensityDiffusion.rise`"""
+    bounds: Array
+    rows: Integers
+    """(2, 8) `NeighborSum.rows`"""
+    walls: Walls
+
+
+class Drops(NamedTuple):
+    """The liquid: fields named as those of `State`."""
+
+    position: Array
+    velocity: Array
+    acceleration: Array
+    transport: Array
+    """zero"""
+    density: Array
+    pressure: Array
+    """zero"""
+    density_rate: Array
+    mass: Array
+    identity: Integers
+    region: Integers
+    reference: Array
+    skin: Array
+    clock: Array
+    step: Integers
+    ready: Integers
+    tally: Array
+
+
+class Room(NamedTuple):
+    """Scratch; `Workspace` with room for more images and neighbors than there are."""
+
+    table: Array
+    """(fields, liquid and dummies and room for images)"""
+    rates: Array
+    records: Array
+    counts: NDArray[np.int32]
+    start: Integers
+    neighbor: Slots
+    source: Integers
+    first: Integers
+    """(sides + 1,) the first image of each side"""
+    asked: Array
+    """(2,) a place (m), or a tilt (rad)"""
+    answer: Array
+    """(1,) the answer"""
+
+
+def advance(basin: Basin, drops: Drops, room: Room, steps: int) -> int:
+    """Integrate over this number of steps; each is divided if speeds or forces require it. Returns DONE, DIVERGED,
+    EXCHANGE where liquid has left the tank, or `CROWDED` where lists have no room.
+    """
+    for _ in range(steps):
+        divisions = divisions_needed(basin, drops)
+        if divisions > MOST_DIVISIONS:
+            return DIVERGED
+        for _ in range(divisions):
+            if not take_step(basin, drops, room, basin.time_step / divisions):
+                return CROWDED
+        drops.step[0] += 1
+        drops.clock[0] = int(drops.step[0]) * basin.time_step
+        drops.tally[SUBSTEPS] += divisions
+        if has_left(basin, drops):
+            return EXCHANGE
+    return DONE if divisions_needed(basin, drops) <= MOST_DIVISIONS else DIVERGED
+
+
+def has_left(basin: Basin, drops: Drops) -> bool:
+    """Whether a particle is beyond an open side."""
+    for axis in range(len(drops.position)):
+        for i in range(drops.position.shape[1]):
+            x = drops.position[axis, i]
+            if x < basin.bounds[0, axis] or x > basin.bounds[1, axis]:
+                return True
+    return False
+
+
+def divisions_needed(basin: Basin, drops: Drops) -> int:
+    """The number of substeps that sound and forces require; very large if a value is not finite."""
+    speed, force, length = largest(drops.velocity), largest(drops.acceleration), basin.constants[0].smoothing_length
+    if not (math.isfinite(speed) and math.isfinite(force)):
+        return MOST_DIVISIONS + 1
+    sound = basin.equation_of_state.sound_speed
+    longest = min(acoustic_limit(length, sound, speed, basin.courant), force_limit(length, force))
+    needed = math.ceil(basin.time_step / longest * (1.0 - 1e-9) - 0.1)
+    return min(max(1, needed), MOST_DIVISIONS + 1)
+
+
+def take_step(basin: Basin, drops: Drops, room: Room, time: float) -> bool:
+    """The symplectic step: kick, drift half, density, drift half, kick. False where lists have no room."""
+    if not drops.ready[0]:
+        if not renew(basin, drops, room):
+            return False
+        if basin.bulk_viscosity > 0.0:
+            evaluate_density_rate(basin, drops, room)
+        evaluate_accelerations(basin, drops, room)
+    kick(drops.velocity, drops.acceleration, 0.5 * time)
+    if not move(basin, drops, room, 0.5 * time):
+        return False
+    evaluate_density_rate(basin, drops, room)
+    advance_density(drops.density, drops.density_rate, time)
+    if not move(basin, drops, room, 0.5 * time):
+        return False
+    evaluate_accelerations(basin, drops, room)
+    kick(drops.velocity, drops.acceleration, 0.5 * time)
+    drops.ready[0] = 1
+    return True
+
+
+def move(basin: Basin, drops: Drops, room: Room, time: float) -> bool:
+    """Drift, reflect particles at walls, renew the lists when due."""
+    drift(drops.position, drops.velocity, time)
+    drops.clock[0] += time
+    reflect(basin.walls.guard, drops, time)
+    if farthest(drops.position, drops.reference) > 0.5 * drops.skin[0]:
+        return renew(basin, drops, room)
+    return True
+
+
+def reflect(guard: Guard, drops: Drops, time: float) -> None:
+    """Repeat the drift of particles that are outside after it, with reflections: `walls.reflect_particles`."""
+    sheet, dimension = guard.sheet, len(drops.position)
+    out = np.zeros(drops.position.shape[1], np.bool_)
+    flag_outside(drops.position, sheet.kind, sheet.number, guard.radius, out)
+    x, v, hits = np.zeros((1, dimension)), np.zeros((1, dimension)), np.zeros(len(guard.owner), np.int64)
+    before = np.zeros(dimension)
+    for i in np.flatnonzero(out):
+        status = np.zeros(1, np.int64)
+        for axis in range(dimension):
+            before[axis] = v[0, axis] = drops.velocity[axis, i]
+            x[0, axis] = drops.position[axis, i] - time * before[axis]
+        reflect_all(
+            x, v, np.zeros((1, dimension)), time, sheet, np.array([guard.radius]), (np.zeros(1, np.int64), status, hits)
+        )
+        if status[0] < 0:
+            for axis in range(dimension):
+                x[0, axis] = drops.position[axis, i]
+            _move_inside(guard, x[0], v[0], hits)
+        for axis in range(dimension):
+            drops.position[axis, i] = x[0, axis]
+            drops.velocity[axis, i] += v[0, axis] - before[axis]
+    drops.tally[GUARD_HITS] += hits.sum()
+
+
+def renew(basin: Basin, drops: Drops, room: Room) -> bool:
+    """Renew the lists at the present positions; at regular intervals sort the particles into cells before. False where
+    they have no room.
+    """
+    if int(drops.tally[RENEWALS]) % SORT_EVERY == 0:
+        sort(drops, sorted_in(drops.position, grid_around(drops.position, basin.support)).order)
+    drops.tally[RENEWALS] += 1
+    drops.reference[...] = drops.position
+    drops.skin[0] = skin_for(basin, drops)  # type: ignore[arg-type]  # it reads fields of the same names
+    drops.clock[1] = drops.clock[0]
+    reach = basin.support + float(drops.skin[0])
+    real = np.concatenate((drops.reference, basin.walls.position), axis=1)
+    every = with_images(real, basin.walls.sides, reach, room)
+    return every.shape[1] <= room.table.shape[1] and find_neighbors(every, drops.position.shape[1], reach, room)
+
+
+def sort(drops: Drops, order: Slots) -> None:
+    """Bring the particles into this order."""
+    for rows in (drops.position, drops.velocity, drops.acceleration):
+        for axis in range(len(rows)):
+            rows[axis] = rows[axis][order]
+    for row in (drops.density, drops.density_rate, drops.mass):
+        row[:] = row[order]
+    for numbers in (drops.identity, drops.region):
+        numbers[:] = numbers[order]
+
+
+def grid_around(position: Array, reach: float) -> Grid:
+    """The grid of cells of `neighbor_rows.grid_around`, with wider cells where single particles are far away."""
+    most = 2.0 * position.shape[1] + 64.0
+    low, wide = np.empty(len(position)), np.empty(len(position))
+    for axis in range(len(position)):
+        low[axis] = position[axis].min()
+        wide[axis] = position[axis].max() - low[axis]
+    size = reach
+    while np.prod(wide / size + 1.0) > most:
+        size *= 1.25
+    edge = np.full(len(low), size)
+    edge[-1] /= SLICES
+    return Grid(low, edge, (wide / edge).astype(np.int64) + 1)
+
+
+def sorted_in(position: Array, grid: Grid) -> Sorted:
+    """The particles in the order of their cells."""
+    count, cells = position.shape[1], int(np.prod(grid.shape))
+    found = Sorted(np.empty_like(position), np.empty(count, np.int32), np.empty(cells + 1, np.int64))
+    tally, cell = np.empty((1, cells), np.int64), np.empty(count, np.int64)
+    _counting_sort(
+        position, grid.low, grid.edge, grid.shape, cell, tally, found.position, found.order, found.start
+    )  # fmt: skip
+    return found
+
+
+def with_images(real: Array, sides: Sides, reach: float, room: Room) -> Array:
+    """The positions of all particles and of their images; the sources of those stand in `room`, as far as it goes."""
+    here, room.first[0] = real, 0
+    for side in range(len(sides.normal)):
+        distance = distance_before(here, sides, side)
+        near = np.flatnonzero((distance >= 0.0) & (distance < reach))
+        begin = room.first[side]
+        room.first[side + 1] = begin + len(near)
+        if begin + len(near) <= len(room.source):
+            room.source[begin : begin + len(near)] = near
+        here = np.concatenate((here, behind(here[:, near], sides, side)), axis=1)
+    return here
+
+
+def find_neighbors(position: Array, liquid: int, reach: float, room: Room) -> bool:
+    """The lists of `neighbor_rows.neighbor_lists`; whether they had room."""
+    grid, real = grid_around(position, reach), len(room.counts)
+    cells = sorted_in(position, grid)
+    longest = _longest_run(cells.start, 2 * math.ceil(reach / grid.edge[-1]) + 2)
+    limits = np.array([liquid, real, longest])
+    for fills in (False, True):
+        if fills:
+            for i in range(real):
+                room.start[i + 1] = room.start[i] + (room.counts[i] + STRIDE - 1) // STRIDE * STRIDE
+            if room.start[real] > len(room.neighbor):
+                return False
+        _search(
+            cells.position, cells.order, cells.start, grid.low, grid.edge, grid.shape, reach, limits,
+            room.counts, room.start, room.neighbor, fills,
+        )  # fmt: skip
+    return True
+
+
+def evaluate_density_rate(basin: Basin, drops: Drops, room: Room) -> None:
+    """Evaluate the rate of density at the present positions."""
+    fill(basin, drops, room)
+    lists = Lists(room.counts, room.start, room.neighbor)
+    fill_records(room.table, room.records, basin.rows[OF_CONTINUITY], True)
+    sum_continuity(
+        room.rates, room.table, room.records, room.table[0], lists, basin.constants, basin.kernel, basin.like, ()
+    )  # fmt: skip
+    store_density_rate(drops.density_rate, room.rates, drops.density, basin.by_mass)
+
+
+def evaluate_accelerations(basin: Basin, drops: Drops, room: Room) -> None:
+    """Evaluate the accelerations at the present positions: by pressure, gravity and walls."""
+    fill(basin, drops, room)
+    lists = Lists(room.counts, room.start, room.neighbor)
+    fill_records(room.table, room.records, basin.rows[OF_PRESSURE], True)
+    sum_pressure(
+        room.rates, room.table, room.records, room.table[0], lists, basin.constants, basin.kernel, basin.like, ()
+    )  # fmt: skip
+    density = room.table[FIELD.density, : len(drops.density)]
+    store_acceleration(drops.acceleration, room.rates, density, basin.gravity, basin.per_volume)
+    guard, sound = basin.walls.guard, basin.equation_of_state.sound_speed
+    kind, number = guard.sheet.kind, guard.sheet.number
+    repel(drops.position, kind, number, guard.reach, basin.repulsion, drops.acceleration)
+    brake(drops.position, drops.velocity, kind, number, guard.support, guard.weights, sound, drops.acceleration)
+
+
+def fill(basin: Basin, drops: Drops, room: Room) -> None:
+    """Fill the fields of the liquid, of the dummies, and of the images of both."""
+    table, liquid, count, real = room.table, basin.equation_of_state, len(drops.density), len(room.counts)
+    fill_liquid(
+        table, drops.position, drops.velocity, drops.density, drops.density_rate, drops.pressure, drops.mass,
+        np.zeros(len(drops.position)), basin.by_mass, basin.bulk_viscosity, liquid,
+    )  # fmt: skip
+    source = room.source[: room.first[-1]]
+    fill_images(source, table, real, room.first, basin.walls.table, basin.gravity, liquid)
+    if real > count:
+        pulls = np.empty((len(basin.gravity), real - count))
+        for axis in range(len(basin.gravity)):
+            pulls[axis] = basin.gravity[axis]
+        lists = Lists(room.counts, room.start, room.neighbor)
+        read_liquid(table, count, lists, basin.constants, pulls, basin.walls_clip, liquid)
+        fill_images(source, table, real, room.first, basin.walls.table, basin.gravity, liquid)
+    fill_weights(table, count, basin.by_mass)
+
+
+def lean(basin: Basin, drops: Drops, room: Room) -> None:
+    """Turn gravity against the tank by the angle asked, as `rigid_bodies.at` does for the acceleration of a tank."""
+    more = tilted(basin.upright[0], basin.upright[1], room.asked[0])
+    for axis in range(len(basin.gravity)):
+        basin.gravity[axis] = basin.upright[axis] + more[axis]
+    constants = basin.constants[0]
+    constants.rise_x, constants.rise_y = basin.rise[0] + basin.spring * more[0], basin.rise[1] + basin.spring * more[1]
+
+
+def tilted(x: float, y: float, angle: float) -> tuple[float, float]:
+    """The additional acceleration (m/s^2) in a tank tilted by an angle (rad): rotated gravity minus gravity.
+
+    >>> tilted(0.0, -9.81, 0.0)
+    (0.0, 0.0)
+    """
+    cosine, sine = math.cos(angle), math.sin(angle)
+    return x * (cosine - 1.0) - y * sine, x * sine + y * (cosine - 1.0)
+
+
+def measure_gap(basin: Basin, drops: Drops, room: Room) -> None:
+    """The distance (m) of the place asked from the nearest wall or solid, negative behind it."""
+    sheet = basin.walls.guard.sheet
+    room.answer[0] = worst_gap(sheet.kind, sheet.number, (room.asked[0], room.asked[1], 0.0), 0.0)[0]
+
+
+def put_constant_fields(basin: Basin, drops: Drops, room: Room) -> None:
+    """Fill the fields that do not change: of the liquid, and of dummies."""
+    walls, count = basin.walls, len(drops.density)
+    for i in range(room.table.shape[1]):  # where no image is, too, nothing is divided by zero
+        room.table[FIELD.density, i] = 1.0
+    for i in range(count):
+        room.table[FIELD.liquid, i] = 1.0
+    for k in range(len(walls.volume)):
+        for axis in range(len(walls.position)):
+            room.table[FIELD.position + axis, count + k] = walls.position[axis, k]
+        room.table[FIELD.volume, count + k] = walls.volume[k]

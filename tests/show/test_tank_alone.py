@@ -1,0 +1,239 @@
+"""A page that simulates a tank by itself moves liquid as ecume does, with the same laws, and refuses what it cannot."""
+
+import json
+import shutil
+import subprocess
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from ecume.errors import BadInput
+from ecume.models import MODELS
+from ecume.models.model import DONE, EXCHANGE
+from ecume.models.sph.parameters import Drive, Liquid
+from ecume.models.sph.report.energy_budget import energies
+from ecume.models.sph.state import make_state
+from ecume.scenes.load import load_scene
+from ecume.scenes.templates import folder
+from ecume.show.play.alone import alone, refusal, save_alone
+from ecume.show.play.memory import slots, types_of
+from ecume.show.play.tank import tilting
+from ecume.show.play.tank_alone import arguments_in, drops_of, parameters_of, tank_arguments
+from ecume.show.play.tank_steps import advance, lean, put_constant_fields
+from ecume.show.view.page import bundled
+
+SPH = MODELS["sph"]
+WORKER = Path(__file__).with_name("worker.mjs")
+with_node = pytest.mark.skipif(shutil.which("node") is None, reason="node is not installed")
+COARSE = ('spacing = "12 cm"',)
+POOL = """
+model = "sph"
+duration = "1 s"
+frame_every = "10 ms"
+spacing = 0.02
+[tank]
+low = [0.0, 0.0]
+high = [0.4, 0.3]
+top = { kind = "open" }
+[[fluid]]
+low = [0.0, 0.0]
+high = [0.14, 0.16]
+[liquid]
+maximum_speed = 3.0
+"""
+
+
+def scene_of(name, *changes):
+    return load_scene((folder() / f"{name}.toml").read_text(encoding="utf-8"), list(changes))
+
+
+def ours_and_theirs(scene, steps, angle=0.0, liquid=None):
+    """The state after some steps of the page, and of the model in a shaken tank."""
+    parameters = parameters_of(scene)
+    state = SPH.start(scene, parameters) if liquid is None else make_state(parameters, liquid)
+    given = arguments_in(parameters, drops_of(state))
+    basin, drops, room, _ = given.values()
+    room.asked[0] = angle
+    lean(basin, drops, room)
+    put_constant_fields(basin, drops, room)
+    shaken = Drive(np.zeros(1), 0.0, 0.0, 0.0, np.zeros(1), np.array(tilting(scene, angle))[:, None])
+    parameters = parameters._replace(moves=True, base_excitation=shaken)
+    workspace = SPH.workspace(parameters, state, 1.0)
+    statuses = advance(basin, drops, room, steps), SPH.advance(parameters, state, workspace, steps)
+    return drops, state, statuses
+
+
+def assert_same_bits(drops, state):
+    for name in ("position", "velocity", "acceleration", "density", "density_rate", "identity", "reference", "clock"):
+        np.testing.assert_array_equal(getattr(drops, name), getattr(state, name), err_msg=name)
+
+
+@pytest.mark.parametrize(
+    ("scene", "angle"),
+    [
+        (scene_of("small-tank", *COARSE), 0.0),
+        (scene_of("small-tank", *COARSE), 0.3),
+        (scene_of("dam-break", 'spacing = "6 cm"', 'method.pressure_force = "monaghan"'), 0.0),
+        (scene_of("dam-break", 'spacing = "6 cm"', 'method.density_diffusion = "none"'), -0.2),
+        (scene_of("dam-break", 'spacing = "6 cm"', 'tank.walls = "dummy"'), 0.1),
+    ],
+    ids=["gate", "gate, tilted", "by mass", "no diffusion", "dummies"],
+)
+def test_steps_of_a_page_have_the_bits_of_the_model(scene, angle):
+    assert refusal(scene) == ""
+    drops, state, statuses = ours_and_theirs(scene, 6, angle)
+    assert statuses == (DONE, DONE)
+    assert_same_bits(drops, state)
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_liquid_that_flies_about_has_the_bits_of_the_model(seed):
+    """Particles that hit walls, gates and each other, at several times the speed of the scene."""
+    random = np.random.default_rng(seed)
+    scene = load_scene(POOL + "[[obstacles]]\nlow = [0.2, 0.0]\nhigh = [0.24, 0.12]\n", ["spacing = 0.04"])
+    parameters = parameters_of(scene)
+    start = SPH.start(scene, parameters)
+    velocity = 40.0 * random.uniform(-1.0, 1.0, start.velocity.shape)
+    liquid = Liquid(start.position, velocity, start.density, start.pressure, start.mass, start.region)
+    drops, state, statuses = ours_and_theirs(scene, 8, random.uniform(-0.3, 0.3), liquid)
+    assert statuses == (DONE, DONE)
+    assert state.tally[1] > 0
+    assert_same_bits(drops, state)
+
+
+def test_liquid_that_leaves_is_told():
+    scene = load_scene(POOL)
+    parameters = parameters_of(scene)
+    start = SPH.start(scene, parameters)
+    position = start.position.copy()
+    position[1, 0] = parameters.bounds[1, 1] + 0.01
+    liquid = Liquid(position, start.velocity, start.density, start.pressure, start.mass, start.region)
+    _, _, statuses = ours_and_theirs(scene, 3, 0.0, liquid)
+    assert statuses == (EXCHANGE, EXCHANGE)
+
+
+def test_the_compiled_tank_takes_what_ecume_has_now():
+    for name in ("small-tank", "dam-break"):
+        assert types_of(tank_arguments(scene_of(name))) == bundled("tank.types"), "the bundle is old: sh scripts/web"
+
+
+def test_records_keep_their_bits_in_text():
+    constants = parameters_of(load_scene(POOL)).constants
+    [[name, kind, shape, value]] = slots({"constants": constants})
+    assert (name, kind, shape) == ("constants", "record 1", [1, len(constants.dtype.names)])
+    assert np.array([int(bits) for bits in value]).view(np.float64)[3] == constants["smoothing_length"][0]
+
+
+@pytest.mark.parametrize(
+    ("change", "named"),
+    [
+        (("liquid.viscosity = 1.0",), "a viscosity"),
+        (('method.kernel = "cubic-spline"',), "another kernel"),
+        (('integration.integrator = "verlet"',), "verlet"),
+        (('method.density_diffusion = "antuono"',), "diffusion"),
+        (('tank.walls = "reflect"',), "mirrors"),
+        (('tank.left = { kind = "periodic" }', 'tank.right = { kind = "periodic" }'), "periodic"),
+        (("spacing = 0.002",), "room for 5000"),
+    ],
+)
+def test_a_tank_that_pages_cannot_simulate_is_refused_by_name(change, named):
+    scene = load_scene(POOL, list(change))
+    assert named in refusal(scene)
+    with pytest.raises(BadInput, match="page"):
+        alone(scene)
+
+
+def test_tanks_in_space_are_refused():
+    assert "2D" in refusal(scene_of("dam-break-3d"))
+
+
+@pytest.fixture(scope="module")
+def page(tmp_path_factory):
+    written = tmp_path_factory.mktemp("page") / "tank.html"
+    written.write_text(alone(scene_of("small-tank", 'spacing = "6 cm"')), encoding="utf-8")
+    return written
+
+
+def asked(page, *questions):
+    done = subprocess.run(
+        ["node", str(WORKER), str(page)], input=json.dumps(questions), capture_output=True, text=True, timeout=300
+    )
+    assert done.returncode == 0, done.stderr
+    answers = json.loads(done.stdout)
+    assert not [one["fault"] for one in answers if "fault" in one]
+    return [one["answer"] for one in answers]
+
+
+def told(answer):
+    """The positions, velocities and densities that a page tells of, (d, N) and (N,)."""
+    liquid = answer["liquid"]
+    return np.array(liquid["position"]).T, np.array(liquid["velocity"]).T, np.array(liquid["density"])
+
+
+@pytest.mark.compiled
+@with_node
+def test_smooth_steps_end_where_those_of_ecume_do(page):
+    """A page has vectors of two numbers and no fused products; rounding is all that differs."""
+    scene = scene_of("small-tank", 'spacing = "6 cm"')
+    smooth, late = asked(page, ["steps", {"steps": 100}], ["steps", {"steps": 300}])
+    parameters = parameters_of(scene)
+    state = SPH.start(scene, parameters)
+    workspace = SPH.workspace(parameters, state, 1.0)
+    for answer, steps, close in ((smooth, 100, 1e-12), (late, 300, 1e-9)):
+        assert SPH.advance(parameters, state, workspace, steps) == answer["status"] == DONE
+        order = np.argsort(state.identity)
+        position, velocity, density = told(answer)
+        assert np.abs(position - state.position[:, order]).max() < close
+        assert np.abs(velocity - state.velocity[:, order]).max() < 1e3 * close
+        assert np.abs(density / state.density[order] - 1.0).max() < 1e2 * close
+
+
+@pytest.mark.compiled
+@with_node
+def test_a_dam_that_breaks_keeps_its_mass_and_loses_energy(page):
+    said, *answers = asked(page, ["open", {}], *[["steps", {"steps": 200}]] * 6)
+    assert said == ""
+    scene = scene_of("small-tank", 'spacing = "6 cm"')
+    parameters = parameters_of(scene)
+    there, fronts = [], []
+    for answer in answers:
+        liquid = answer["liquid"]
+        position, velocity, density = told(answer)
+        mass, region = np.array(liquid["mass"]), np.array(liquid["region"])
+        state = make_state(parameters, Liquid(position, velocity, density, np.zeros(len(mass)), mass, region))
+        there.append(energies(parameters, state, 0.0, 0.0)["total_energy"])
+        fronts.append(position[0, region == 0].max())
+        assert mass.sum() == pytest.approx(np.sum(answers[0]["liquid"]["mass"]), rel=1e-15)
+    assert np.all(np.diff(there) < 0.0)
+    assert fronts[-1] > 1.5 > 1.0 > fronts[0]
+
+
+@pytest.mark.compiled
+@with_node
+def test_hands_pour_scoop_and_tilt_and_the_scene_is_kept(page):
+    answers = asked(
+        page, ["scoop", {"x": 1.8, "y": 0.12}], ["scoop", {"x": 1.8, "y": 1.0}], ["pour", {"x": 1.8, "y": 0.7}],
+        ["pour", {"x": 0.36, "y": 0.4}], ["close", {}], ["open", {}], ["open", {}], ["steps", {"steps": 80}],
+        ["close", {}], ["lean", {"angle": 9.0}], ["steps", {"steps": 0}], ["now", {}], ["scene", {}],
+    )  # fmt: skip
+    scooped, nothing, poured, inside, nogate, opened, again, flown, closed, leaned, there, now, text = answers
+    assert (scooped, poured, opened, closed, leaned) == ("", "", "", "", "")
+    assert (nothing, inside) == ("no liquid here", "no room for liquid here")
+    assert (nogate, again) == ("no gate to close", "no gate to open")
+    count = len(there["liquid"]["mass"])
+    assert len(flown["liquid"]["mass"]) == count
+    assert now["opened"] == 0
+    x, y = told(there)[0]
+    assert not np.any((x > 0.72) & (x < 0.84) & (y < 1.0)), "liquid is in the closed gate"
+    saved = load_scene(text)
+    assert sum(len(region.particles.positions) for region in saved.fluid) == count
+    assert len(saved.obstacles) == 1
+    parameters = SPH.parameters(saved)
+    state = SPH.start(saved, parameters)
+    assert SPH.advance(parameters, state, SPH.workspace(parameters, state, 1.0), 5) == DONE
+
+
+def test_the_page_of_a_tank_is_small(tmp_path):
+    assert save_alone(scene_of("small-tank"), tmp_path / "tank.html", 1.0) < 400_000
+    assert save_alone(scene_of("dam-break"), tmp_path / "dam.html", 1.0) < 500_000
