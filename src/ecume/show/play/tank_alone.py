@@ -126,10 +126,13 @@ def arguments_in(parameters: Parameters, drops: Drops) -> dict[str, Any]:
 
 def tank_refusal(scene: SphScene) -> str:
     """The reason why a page cannot simulate a tank; empty if it can."""
+    refused = ""
     try:
         require_playable(scene)
-    except BadInput as refused:
-        return str(refused).replace("play supports", "a page simulates")
+    except BadInput as error:
+        refused = str(error)
+    if refused:
+        return refused.replace("play supports", "a page simulates")
     if scene.user_laws:
         return "a page has no laws of users"
     parameters = parameters_of(scene)
