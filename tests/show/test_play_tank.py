@@ -251,6 +251,14 @@ def test_a_tilt_turns_gravity_and_the_liquid_goes_down(tank):
     assert tank.liquid().position[0, pool].mean() > before + 0.01
 
 
+def test_a_tank_that_is_put_back_leans_no_more(tank):
+    for angle in (5e-6, 0.0):
+        tank.lean(angle)
+        tank.play(1 / 60)
+        assert tank.leaning == angle
+    assert tank.present().base_excitation is None
+
+
 def test_the_saved_scene_goes_on_from_here(tank):
     tank.open_gate()
     tank.pour(2.0, 1.1)

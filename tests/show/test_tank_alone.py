@@ -102,15 +102,18 @@ def test_liquid_that_flies_about_has_the_bits_of_the_model(seed):
     assert_same_bits(drops, state)
 
 
-def test_liquid_that_leaves_is_told():
-    scene = load_scene(POOL)
+@pytest.mark.parametrize(("gone", "status"), [(1, EXCHANGE), (15, EXCHANGE), (16, DONE)])
+def test_liquid_that_leaves_is_told_and_the_last_of_it_stays(gone, status):
+    scene = load_scene(POOL, ["spacing = 0.04"])
     parameters = parameters_of(scene)
     start = SPH.start(scene, parameters)
+    assert len(start.mass) == 16
     position = start.position.copy()
-    position[1, 0] = parameters.bounds[1, 1] + 0.01
+    position[1, :gone] += 2.0 * parameters.bounds[1, 1]
     liquid = Liquid(position, start.velocity, start.density, start.pressure, start.mass, start.region)
-    _, _, statuses = ours_and_theirs(scene, 3, 0.0, liquid)
-    assert statuses == (EXCHANGE, EXCHANGE)
+    drops, state, statuses = ours_and_theirs(scene, 3, 0.0, liquid)
+    assert statuses == (status, status)
+    assert_same_bits(drops, state)
 
 
 def test_the_compiled_tank_takes_what_ecume_has_now():
@@ -207,6 +210,19 @@ def test_a_dam_that_breaks_keeps_its_mass_and_loses_energy(page):
         assert mass.sum() == pytest.approx(np.sum(answers[0]["liquid"]["mass"]), rel=1e-15)
     assert np.all(np.diff(there) < 0.0)
     assert fronts[-1] > 1.5 > 1.0 > fronts[0]
+
+
+@pytest.mark.compiled
+@with_node
+def test_a_tank_that_is_put_back_leans_no_more(page):
+    """Its scene has no [base_excitation], with which it could not be played with again."""
+    slightly, back = ["lean", {"angle": 5e-6}], ["lean", {"angle": 0.0}]
+    *_, leaning, leans, _, _, upright, stands = asked(
+        page, slightly, ["now", {}], ["now", {}], ["scene", {}], back, ["now", {}], ["now", {}], ["scene", {}]
+    )
+    assert (leaning["leaning"], upright["leaning"]) == (5e-6, 0.0)
+    assert "[base_excitation]" in leans
+    assert refusal(load_scene(stands)) == ""
 
 
 @pytest.mark.compiled

@@ -8,6 +8,7 @@ const BUDGET = 24; // ms of the clock between two pictures
 const LONGEST = 0.05; // s of simulated time at once: a machine that is too slow plays in slow motion
 const BATCH = 4; // steps in one call: what a call has made it gives back at its end
 const GRASP = 0.15; // s in which the tank reaches its tilt
+const STILL = 1e-5; // rad from its tilt, within which it has reached it
 const SOON = 0.2; // s after which liquid that was calmed and breaks again is not worth keeping
 const [DONE, EXCHANGE] = [0, 3];
 const FINEST = 65535;
@@ -149,7 +150,8 @@ class Pool {
     this.last = now;
     if (due <= 0) return;
     const steps = Math.max(1, Math.round(due / this.timeStep));
-    this.leaning += Math.min(1, (steps * this.timeStep) / GRASP) * (this.tilt - this.leaning);
+    const way = this.tilt - this.leaning;
+    this.leaning = Math.abs(way) < STILL ? this.tilt : this.leaning + Math.min(1, (steps * this.timeStep) / GRASP) * way;
     this.basin.lean(this.leaning);
     const kept = this.basin.liquid();
     let taken = 0;

@@ -212,6 +212,8 @@ HURRY = 0.3
 """The largest speed of a wall over the maximum speed of the scene."""
 STEEPEST = math.radians(20.0)
 """The largest tilt of a tank."""
+STILL = 1e-5
+"""The angle (rad) from its tilt within which a tank has reached it: one that is put back does not lean for ever."""
 SOON = 0.2
 """s after which liquid that was calmed and breaks again is not worth keeping."""
 CALMED = "The liquid went too fast for its time step: it was brought to rest where it stood."
@@ -377,7 +379,8 @@ class Tank:
     def _take_hands(self, seconds: float) -> None:
         """Move wall and tilt toward their targets during a time."""
         now = self._now
-        self.leaning += min(1.0, seconds / GRASP) * (self.tilt - self.leaning)
+        way = self.tilt - self.leaning
+        self.leaning = self.tilt if abs(way) < STILL else self.leaning + min(1.0, seconds / GRASP) * way
         fastest = HURRY * self.integration.parameters.material.fastest
         target_speed = min(max((self._target - self.pushed) / GRASP, -fastest), fastest)
         more = fastest * seconds / GRASP

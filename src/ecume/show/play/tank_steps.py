@@ -152,13 +152,16 @@ def advance(basin: Basin, drops: Drops, room: Room, steps: int) -> int:
 
 
 def has_left(basin: Basin, drops: Drops) -> bool:
-    """Whether a particle is beyond an open side."""
-    for axis in range(len(drops.position)):
-        for i in range(drops.position.shape[1]):
+    """Whether a particle is beyond an open side. Where all are, they stay, as in `open_boundaries.exchange_due`."""
+    gone = 0
+    for i in range(drops.position.shape[1]):
+        beyond = False
+        for axis in range(len(drops.position)):
             x = drops.position[axis, i]
-            if x < basin.bounds[0, axis] or x > basin.bounds[1, axis]:
-                return True
-    return False
+            beyond = beyond or x < basin.bounds[0, axis] or x > basin.bounds[1, axis]
+        if beyond:
+            gone += 1
+    return bool(0 < gone < drops.position.shape[1])
 
 
 def divisions_needed(basin: Basin, drops: Drops) -> int:
