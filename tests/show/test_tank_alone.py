@@ -19,7 +19,7 @@ from ecume.scenes.templates import folder
 from ecume.show.play.alone import alone, refusal, save_alone
 from ecume.show.play.memory import slots, types_of
 from ecume.show.play.tank import tilting
-from ecume.show.play.tank_alone import arguments_in, drops_of, parameters_of, tank_arguments
+from ecume.show.play.tank_alone import arguments_in, drops_of, offered_tank, parameters_of, tank_arguments
 from ecume.show.play.tank_steps import advance, lean, put_constant_fields
 from ecume.show.view.page import bundled
 
@@ -119,6 +119,18 @@ def test_liquid_that_leaves_is_told_and_the_last_of_it_stays(gone, status):
 def test_the_compiled_tank_takes_what_ecume_has_now():
     for name in ("small-tank", "dam-break"):
         assert types_of(tank_arguments(scene_of(name))) == bundled("tank.types"), "the bundle is old: sh scripts/web"
+
+
+@pytest.mark.parametrize("count", [1, 2, 8])
+def test_only_arrays_of_particles_grow_with_their_number(count):
+    """With as many particles as there are tallies, those would be counted as particles by their size."""
+    places = [[0.02 + 0.04 * k, 0.02] for k in range(count)]
+    text = POOL.replace("low = [0.0, 0.0]\nhigh = [0.14, 0.16]", f"[fluid.particles]\npositions = {places}")
+    scene = load_scene(text, ["spacing = 0.04"])
+    [sizes] = ({name: sizes for name, _, sizes, _ in case} for case in offered_tank(scene)["slots"])
+    for name in ("skin", "clock", "step", "ready", "tally"):
+        assert [each for each, _ in sizes[f"drops.{name}"]] == [0], name
+    assert sizes["drops.velocity"] == [[0, 2], [1, 0]]
 
 
 def test_records_keep_their_bits_in_text():

@@ -230,11 +230,14 @@ def _sized(own: list[Any], more: list[Any], count: int) -> list[Any]:
     return [name, kind, pairs, None]
 
 
+OF_ALL = ("skin", "clock", "step", "ready", "tally")
+"""Fields of `Drops` that have the same size for any number of particles."""
+
+
 def with_another(liquid: Drops) -> Drops:
     """The same with one more particle."""
-    count = len(liquid.mass)
-    longer: Any = (np.concatenate([one, one[..., :1]], axis=-1) if one.shape[-1] == count else one for one in liquid)
-    return Drops(*longer)
+    own = {name: array for name, array in liquid._asdict().items() if name not in OF_ALL and array.size}
+    return liquid._replace(**{name: np.concatenate([one, one[..., :1]], axis=-1) for name, one in own.items()})
 
 
 def tank_header(scene: SphScene) -> dict[str, Any]:
