@@ -93,7 +93,7 @@ def summary_of(scene: TracersScene, parameters: Parameters, index: int) -> list[
             (f"{name}: relaxation time", with_prefix(drag.relaxation_time(mass, friction), "s"), regime),
         ]
         rows += slip_of(scene, fluid, index)
-        rows += settled(scene, name, speed) if parameters.current == () else []
+        rows += settled(scene, name, speed - fluid.flow[scene.dimensions - 1]) if parameters.current == () else []
     if fluid.thermal > 0.0 and friction > 0.0:
         spread, weight = (
             brownian_motion.diffusivity(fluid.thermal, friction),
@@ -109,14 +109,16 @@ def summary_of(scene: TracersScene, parameters: Parameters, index: int) -> list[
 
 
 def settled(scene: TracersScene, name: str, speed: float) -> list[tuple[str, str, str]]:
-    """The row on the time in which one species crosses a box with still liquid; empty for others."""
+    """The row on the time in which one species crosses a box at a downward speed (m/s); empty without bottom and top,
+    and where particles may leave.
+    """
     tank = scene.tank
-    if tank is None or tank.high is None or scene.openings or speed == 0.0:
+    if tank is None or tank.high is None or "xyz"[scene.dimensions - 1] in tank.periodic or scene.openings:
         return []
     height = float(tank.high[-1]) - (float(tank.low[-1]) if tank.low is not None else 0.0)
-    way = "settles" if speed > 0.0 else "rises"
+    way, time = "settles" if speed > 0.0 else "rises", height / abs(speed) if speed else math.inf
     times = scene.duration, scene.frame_every
-    return event_row(f"{name}: {way}", height / abs(speed), times, "over the height of the tank, without noise")
+    return event_row(f"{name}: {way}", time, times, "over the height of the tank, without noise")
 
 
 SLIPS = 0.01

@@ -44,7 +44,7 @@ from ecume.models.sph.setup.packing import unevenness
 from ecume.models.sph.setup.shapes import part_of, shape_of, solids_of
 from ecume.models.sph.setup.walls_and_bodies import holds, narrowest_channel
 from ecume.models.step_counts import last_step
-from ecume.scenes.sph import BodySpec, ObstacleSpec, SphScene
+from ecume.scenes.sph import BodySpec, ObstacleSpec, RegionSpec, SphScene
 from ecume.scenes.sph.tank import SideSpec
 from ecume.units import Array, duration_text, size_text, with_prefix
 
@@ -289,30 +289,20 @@ def advice(scene: SphScene, parameters: Parameters, position: Array, bytes_each:
 
 def first_impact(scene: SphScene) -> list[Row]:
     """The row on the first impact: of liquid or a body that falls, or of a collapsing column at the opposite wall. The
-    front of a column in a dry tank is at most as fast as Ritter's, 2 sqrt(g h) [ritter1892]. Empty without gravity.
+    front of a column in a dry tank is at most as fast as Ritter's, 2 sqrt(g h) [ritter1892]. Empty without gravity, and
+    where something else moves the liquid.
     """
-    up, times = scene.up_axis, (scene.duration, scene.frame_every)
-    pull = -float(gravity_of(scene)[up])
-    if pull <= 0.0:
+    pull, times = -float(gravity_of(scene)[scene.up_axis]), (scene.duration, scene.frame_every)
+    if pull <= 0.0 or scene.central_force is not None or scene.base_excitation is not None:
         return []
-    liquid = [part_of(region, scene.spacing).bounds() for region in scene.fluid]
-    falls = [(_drop(ends, [other for other in liquid if other is not ends], scene), "of liquid") for ends in liquid]
-    falls += [
-        (_drop(shape_of(body).bounds(), liquid, scene), f"of {body.name}")
-        for body in scene.bodies
-        if body.motion is None and not body.velocity
+    found = [
+        (math.sqrt(2.0 * height / pull), f"of {what} that falls")
+        for what, height in _falls(scene)
+        if height > scene.spacing
     ]
-    found = [(math.sqrt(2.0 * height / pull), f"{what} that falls") for height, what in falls if height > scene.spacing]
     if found:
         return event_row("first impact", *_first(found, times))
-    if len(liquid) > 1 or scene.obstacles or scene.bodies:
-        return []
-    (low, high), fronts = liquid[0], []
-    for axis in (axis for axis in range(len(low)) if axis != up):
-        for gap, side in ((low - scene.tank.low, 2 * axis), (scene.tank.high - high, 2 * axis + 1)):
-            if gap[axis] > scene.spacing and sides_of(scene)[side].kind == "wall":
-                speed = 2.0 * math.sqrt(pull * float(high[up] - low[up]))
-                fronts.append((float(gap[axis]) / speed, f"of the front, at {scene.sides[side]}"))
+    fronts = [(gap / speed, f"of the front, at {side}") for side, gap, speed in _fronts(scene, pull)]
     return event_row("first impact", *_first(fronts, times), bound=True) if fronts else []
 
 
@@ -321,15 +311,68 @@ def _first(found: list[tuple[float, str]], times: tuple[float, float]) -> tuple[
     return time, times, what
 
 
-def _drop(ends: tuple[Array, Array], below: list[tuple[Array, Array]], scene: SphScene) -> float:
-    """The height (m) between a box and the liquid or the bottom under it."""
+Box = tuple[Array, Array]
+"""The lower and the upper corner of a box around a shape (m)."""
+
+
+def _falls(scene: SphScene) -> list[tuple[str, float]]:
+    """Liquid and bodies that begin at rest, and the heights (m) above what they fall onto. Bodies in liquid float or
+    sink.
+    """
+    liquid = [part_of(region, scene.spacing).bounds() for region in scene.fluid]
+    bodies = [shape_of(body).bounds() for body in scene.bodies]
+    fixed = [shape_of(obstacle).bounds() for obstacle in scene.obstacles]
+    found = []
+    for region, ends in zip(scene.fluid, liquid, strict=True):
+        if _begins_at_rest(region):
+            others = [other for other in liquid if other is not ends]
+            found.append(("liquid", _drop(ends, [*others, *bodies, *fixed], scene)))
+    for body, ends in zip(scene.bodies, bodies, strict=True):
+        if body.motion is None and not body.velocity and not any(_overlap(ends, other) for other in liquid):
+            others = [other for other in bodies if other is not ends]
+            found.append((body.name, _drop(ends, [*others, *liquid, *fixed], scene)))
+    return found
+
+
+def _fronts(scene: SphScene, pull: float) -> list[tuple[str, float, float]]:
+    """The sides that the fronts of a lone column at rest may reach, their distances (m), and the fastest front (m/s).
+    None where surface tension may hold the column: up to two capillary lengths high, as a puddle.
+    """
+    sides = sides_of(scene)
+    driven = any(side.motion is not None or side.velocity or side.speed for side in sides)
+    if len(scene.fluid) > 1 or scene.obstacles or scene.bodies or driven or not _begins_at_rest(scene.fluid[0]):
+        return []
+    low, high = part_of(scene.fluid[0], scene.spacing).bounds()
+    up, water, found = scene.up_axis, filled(scene.liquid), []
+    stands = sides[2 * up].kind == "wall" and float((low - scene.tank.low)[up]) <= scene.spacing
+    tension = (water.surface_tension or 0.0) if tension_of(scene) != "none" else 0.0
+    height = float(high[up] - low[up])
+    if not stands or height <= 2.0 * math.sqrt(tension / (water.density * pull)):
+        return []
+    for axis in (axis for axis in range(len(low)) if axis != up):
+        for gap, side in ((low - scene.tank.low, 2 * axis), (scene.tank.high - high, 2 * axis + 1)):
+            if gap[axis] > scene.spacing and sides[side].kind == "wall":
+                found.append((scene.sides[side], float(gap[axis]), 2.0 * math.sqrt(pull * height)))
+    return found
+
+
+def _begins_at_rest(region: RegionSpec) -> bool:
+    return not (region.velocity or region.velocity_gradient or region.flow or region.particles)
+
+
+def _overlap(one: Box, other: Box) -> bool:
+    return bool(((one[0] < other[1]) & (other[0] < one[1])).all())
+
+
+def _drop(ends: Box, below: list[Box], scene: SphScene) -> float:
+    """The height (m) between a box and what is under it, or the bottom if that is a wall; otherwise zero."""
     (low, high), up = ends, scene.up_axis
-    floor = [float(scene.tank.low[up])]
+    floor = [float(scene.tank.low[up])] if sides_of(scene)[2 * up].kind == "wall" else []
     for least, most in below:
         apart = np.delete((most <= low) | (least >= high), up)
         if not apart.any() and most[up] <= low[up] + scene.spacing:
             floor.append(float(most[up]))
-    return float(low[up]) - max(floor)
+    return float(low[up]) - max(floor, default=float(low[up]))
 
 
 def _resolution(scene: SphScene, parameters: Parameters, position: Array) -> list[Row]:
