@@ -28,6 +28,7 @@ MEANT = {
         "rows[0].vx": "2 cm/s", "flow.velocity": ["5 mm/s", "0 mm/s"], "flow.rotation_rate": "600 rpm",
         "flow.nodes.high": ["40 mm", "40 mm"], "dish.motion.velocity": ["20 mm/s", "0 mm/s"],
         "particles[0].surface_energies.solid_gas": "40 mN/m", "waves.frequency": "0.08 kHz",
+        "dish.barrier.largest_pressure": "20 mN/m", "dish.barrier.velocity": "2 mm/s",
     },
     "sph": {
         "liquid.surface_tension": "72.8 mN/m", "liquid.density": "1 g/cm^3", "liquid.viscosity": "1.5 mPa*s",

@@ -46,6 +46,7 @@ GAS = Range("", (0.02, 200.0), (1e-4, 1e3), ("g/cm^3", "g/m^3"), AIR_DENSITY)
 
 RANGES = (
     Range(r"\w+ .*(surface_tension|interface_tension|largest_fall)", (5e-4, 0.6), (1e-8, 3.0), ("mN/m",), TENSION),
+    Range(r"floating .*largest_pressure", (1e-9, 1.0), (1e-12, 100.0), ("mN/m",), TENSION),
     Range(r"\w+ .*surface_energies\.\w+", (1e-5, 5.0), (1e-8, 20.0), ("mN/m",), TENSION),
     Range(r"floating liquid\.density", (500.0, 2e4), (50.0, 2.5e4), ("g/cm^3", "g/m^3"), WATER_DENSITY),
     Range(r"\w+ liquid\.density", (500.0, 2e4), (0.05, 2.5e4), ("g/cm^3", "g/m^3"), WATER_DENSITY),

@@ -10,6 +10,8 @@ from ecume.laws import rafts
 from ecume.laws.flotation import Liquid
 from ecume.models import MODELS
 from ecume.models.floating.dishes import behind_barrier, field_of
+from ecume.models.floating.forces.magnets import DipoleMoments
+from ecume.models.floating.parameters import CUTOFF, part_of
 from ecume.models.liquids import liquid_of
 from ecume.scenes.schema import from_plain
 from ecume.show.floating.bowl import Bowl as Picture
@@ -180,6 +182,10 @@ def test_a_raft_that_is_stopped_keeps_the_energy_that_floats_at_rest_have():
         ({"barrier": {"times": [0.0, 1.0], "positions": [0.0, 0.01]}}, "dish.barrier.velocity"),
         ({"barrier": {"velocity": None, "start": 0.0, "times": [1.0, 0.0], "positions": [0.0, 0.01]}}, "times"),
         ({"barrier": {"stop": 0.001}}, "dish.barrier.stop"),
+        ({"barrier": {"velocity": 0.0, "stop": 0.03}}, "dish.barrier.stop: got 0.03 m, which the barrier never"),
+        ({"barrier": {"velocity": -SPEED, "start": 0.0}}, "dish.barrier.velocity: got -0.005 m/s, out of the dish"),
+        ({"barrier": {"velocity": 0.0, "start": 0.039}}, "dish.barrier.start: the barrier leaves"),
+        ({"barrier": {"velocity": -SPEED, "start": 0.039}}, "dish.barrier.start: the barrier leaves"),
         ({"barrier": {"velocity": 0.05}}, "do not fit"),
         ({"dish": {"law": "meniscus"}, "barrier": {"velocity": 0.012}}, "menisci of both sides"),
         ({"hydrodynamics": {"brownian": True}}, "floats that diffuse"),
@@ -191,6 +197,18 @@ def test_a_raft_that_is_stopped_keeps_the_energy_that_floats_at_rest_have():
 def test_what_a_barrier_cannot_do_is_refused(changes, key):
     with pytest.raises(SceneError, match=key):
         FLOATING.parameters(trough([[0.0, 0.0]], **changes))
+
+
+def test_forces_reach_across_the_dish_that_a_barrier_leaves_free_later():
+    """Their ranges were cut off at the width between barriers at the start, also for those that move outward."""
+    beads = [{"radius": 1e-4, "density": 600.0, "contact_angle": 1.2, "positions": [[0.0, 0.0], [0.002, 0.0]],
+              "magnetic_moment": 1e-6}]  # fmt: skip
+    cutoffs = []
+    for motion in ({"velocity": SPEED, "start": 0.0}, {"velocity": -0.02, "start": 0.017}):
+        scene = trough(None, particles=beads, barrier={"both": True, **motion}, interaction={"accuracy": 1e-6})
+        magnets = part_of(FLOATING.parameters(scene), DipoleMoments)
+        cutoffs.append(magnets.pair[CUTOFF])
+    assert cutoffs[0] == cutoffs[1] == pytest.approx(math.hypot(0.04, 0.02))
 
 
 def test_pictures_show_the_menisci_between_the_barrier_and_the_other_side():

@@ -71,7 +71,11 @@ def _of_velocity(barrier: BarrierSpec) -> Complaints:
     if barrier.velocity is None:
         own = [("start", barrier.start != 0.0), ("stop", barrier.stop is not None)]
         return [((key,), "belongs to velocity; the table says where the barrier is") for key, given in own if given]
-    if barrier.stop is not None and (barrier.stop - barrier.start) * barrier.velocity < 0.0:
-        got = f"got {barrier.stop:g} m, from which the barrier moves away; it starts at {barrier.start:g} m"
+    way = 0.0 if barrier.stop is None else barrier.stop - barrier.start
+    if way * barrier.velocity < 0.0 or (way != 0.0 and barrier.velocity == 0.0):
+        got = f"got {barrier.stop:g} m, which the barrier never reaches; it starts at {barrier.start:g} m"
         return [(("stop",), got)]
+    if barrier.velocity < 0.0 and barrier.start == 0.0:
+        got = f"got {barrier.velocity:g} m/s, out of the dish, from the side itself; expected a positive velocity"
+        return [(("velocity",), f"{got}, or a start inside the dish")]
     return []

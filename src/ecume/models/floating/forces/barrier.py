@@ -21,7 +21,7 @@ import numpy as np
 from ecume._jit import compiled, compiled_inside
 from ecume.engine.cells import Integers
 from ecume.engine.contact.contacts import normal_velocities
-from ecume.engine.walls import Walls, wall_count
+from ecume.engine.walls import Walls
 from ecume.laws import rafts
 from ecume.models.floating.dishes import acts, wall_energy, wall_force, wall_law_of
 from ecume.models.floating.options import Built, scene_error
@@ -333,13 +333,11 @@ def _moving(barrier: BarrierSpec) -> list[int]:
 
 
 def walls_at_start(walls: Walls, dish: DishSpec | None) -> Walls:
-    """The walls at the start of a scene. Raises SceneError for other dishes than a rectangle."""
+    """The walls at the start of a scene, from those of its dish: the widest, for which ranges of forces are chosen."""
     if dish is None or dish.barrier is None:
         return walls
-    if wall_count(walls) != COUNT or walls.disc_radius < math.inf:
-        raise scene_error("dish.barrier", f"got a dish of the shape {dish.shape!r}; expected a rectangle")
-    offset, places = walls.offset.copy(), motion_of(dish.barrier)[1]
-    offset[_moving(dish.barrier)] += places[0]
+    offset = walls.offset.copy()
+    offset[_moving(dish.barrier)] += motion_of(dish.barrier)[1][0]
     return walls._replace(offset=offset)
 
 
@@ -369,10 +367,17 @@ def farthest_place(part: Barrier, duration: float) -> float:
     return float(max(reached.max(initial=0.0), place_at(part, duration)))
 
 
+def _key_of_place(barrier: BarrierSpec, place: float) -> str:
+    """The key that says where the barrier gets so far."""
+    if barrier.velocity is None:
+        return "positions"
+    return "start" if place <= barrier.start else "stop"
+
+
 def _require_room(part: Barrier, parameters: Parameters, scene: FloatingScene, length: float) -> None:
     """Raise SceneError if the floats cannot fit between the barrier and the other side, or if menisci overlap."""
     farthest, largest = farthest_place(part, scene.duration), 2.0 * float(parameters.floats.radius.max())
-    key = "dish.barrier.positions" if not scene.dish.barrier.velocity else "dish.barrier.stop"  # type: ignore[union-attr]
+    key = f"dish.barrier.{_key_of_place(scene.dish.barrier, farthest)}"  # type: ignore[union-attr,arg-type]
     left, covered = length - len(part.walls) * farthest, math.pi * float(np.sum(parameters.floats.radius**2))
     got = f"the barrier leaves {with_prefix(max(left, 0.0), 'm', 3)} of the dish's {with_prefix(length, 'm', 3)}"
     most = (length - max(covered / part.width, largest)) / len(part.walls)

@@ -24,6 +24,7 @@ from ecume.errors import BadInput, Fault, SceneError
 from ecume.laws import capillarity
 from ecume.models.floating.contacts.candidates import list_candidates
 from ecume.models.floating.contacts.contact_models import contacts_of, gaps_between
+from ecume.models.floating.forces.barrier import walls_at_start
 from ecume.models.floating.forces.interactions import interactions_of
 from ecume.models.floating.forces.pair_forces import row_of
 from ecume.models.floating.options import Built, Option, scene_error
@@ -142,6 +143,7 @@ TURNS = 7
 
 def start(scene: FloatingScene, parameters: Parameters) -> State:
     """Return the state at time 0. Raises SceneError if floats overlap, are outside, or do not fit."""
+    parameters = parameters._replace(walls=walls_at_start(parameters.walls, scene.dish))
     places = given_places(scene)
     places.position[:] = into_box(places.position, parameters.periods)
     free = np.isnan(places.position[:, 0])

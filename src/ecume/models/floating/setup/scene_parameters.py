@@ -16,7 +16,6 @@ from ecume.laws.pair_laws import PAIR_LAWS, PairLaw, Setting
 from ecume.models.costs import require_memory, within_steps
 from ecume.models.floating.contacts.contact_models import CONTACTS, ContactModel
 from ecume.models.floating.dishes import is_far_field, wall_law_of, wall_strengths, wall_table_of, walls_of
-from ecume.models.floating.forces.barrier import walls_at_start
 from ecume.models.floating.forces.ewald_grid import DEEPEST_TOUCH, cut_off, split_of
 from ecume.models.floating.forces.flow_and_noise import drift_of, shortest_change
 from ecume.models.floating.forces.interactions import (
@@ -164,10 +163,7 @@ def _without_parts(scene: FloatingScene, chosen: Chosen, longer: float) -> Param
     law = constants_of(scene, setting)
     strength = law.strength if row.menisci else 0.0
     mirrored = scene.dish is not None and scene.dish.image != "none"
-    walls, scheme = (
-        walls_at_start(walls_of(scene.dish), scene.dish),
-        chosen.hydrodynamics.moves(chosen.integrator).scheme,
-    )
+    walls, scheme = walls_of(scene.dish), chosen.hydrodynamics.moves(chosen.integrator).scheme
     skin = longer * max(0.2 * largest, min(0.4 * length, largest), SKIN_OVER_NOISE * (drift.thermal > 0.0) * largest)
     swings = drift.sway.turning if np.any(drift.sway.amplitude) else 0.0
     return Parameters(
