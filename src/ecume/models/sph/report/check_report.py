@@ -345,6 +345,7 @@ def _fronts(scene: SphScene, pull: float) -> list[tuple[str, float, float]]:
     low, high = part_of(scene.fluid[0], scene.spacing).bounds()
     up, water, found = scene.up_axis, filled(scene.liquid), []
     stands = sides[2 * up].kind == "wall" and float((low - scene.tank.low)[up]) <= scene.spacing
+    assert water.density is not None  # noqa: S101  # for the type checker: it is filled in
     tension = (water.surface_tension or 0.0) if tension_of(scene) != "none" else 0.0
     height = float(high[up] - low[up])
     if not stands or height <= 2.0 * math.sqrt(tension / (water.density * pull)):
