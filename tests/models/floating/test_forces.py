@@ -134,15 +134,18 @@ def test_a_law_without_its_own_pull_of_a_raft_has_that_of_a_half_plane():
 
 
 def test_only_approaches_by_the_kick_alone_are_brought_to_rest():
-    """Approaches of 1.9 and 2.1 kicks, one of 3 with a gap, and a pair that parts."""
+    """Approaches of 1.9 and 2.1 kicks, one of 3 with a gap, and a pair that parts; then with a tolerance."""
     parameters = FLOATING.parameters(a_mixed_crowd(2))
     contacts, kick = make_contacts(8), 1e-3
     contacts.total[0] = 4
     contacts.change[:4] = [-1.9 * kick, -2.1 * kick, -3.0 * kick, kick]
     contacts.scratch[:4] = contacts.change[:4] - kick
     contacts.gap[:4] = [0.0, 0.0, 1e-6, 1e-6]
-    require_rest(parameters, contacts)
-    assert contacts.bound[:4].tolist() == [0.0, -np.inf, -np.inf, -1e-6 / parameters.time_step]
+    parting = -1e-6 / parameters.time_step
+    require_rest(parameters, contacts, 0.0)
+    assert contacts.bound[:4].tolist() == [0.0, -np.inf, -np.inf, parting]
+    require_rest(parameters, contacts, 0.5 * kick)
+    assert contacts.bound[:4].tolist() == [0.0, 0.0, -np.inf, parting]
 
 
 @pytest.mark.parametrize("image", ["pinned", "fixed-angle"])
