@@ -139,5 +139,5 @@ def test_tracking_does_not_replace_a_table(tmp_path):
     there = tmp_path / "film.csv"
     there.write_text("t,x,y,id\n")
     with pytest.raises(BadInput, match="exists already; choose another name with -o, or replace it with --force"):
-        track(tmp_path / "film.mp4", "12 px", out=there)
+        track(tmp_path / "film.mp4", diameter="12 px", out=there)
     assert there.read_text() == "t,x,y,id\n"

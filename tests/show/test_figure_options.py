@@ -91,7 +91,7 @@ def test_a_figure_takes_each_option(
 @pytest.mark.parametrize("model", FIGURES)
 @pytest.mark.parametrize(("form", "start"), [("svg", b"<?xml"), ("pdf", b"%PDF"), ("png", b"\x89PNG")])
 def test_all_figures_of_a_run_go_to_a_folder_in_a_format(model: str, form: str, start: bytes, tmp_path: Path) -> None:
-    chosen = {"floating": "energies", "sph": "center", "soft": "stress", "tracers": "displacement"}[model]
+    chosen = {"floating": "energies", "sph": "center", "soft": "elastic-energy", "tracers": "displacement"}[model]
     words = ["plot", str(GOLDEN / model), "-o", str(tmp_path / "figures"), "--format", form, "--width", "120 mm"]
     done = cli.invoke(app, words if form == "svg" else [*words, "--what", chosen])
     assert done.exit_code == 0, done.stderr

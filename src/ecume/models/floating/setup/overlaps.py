@@ -2,7 +2,7 @@
 
 During a run contacts keep overlaps below the slop, and remove deeper ones by moving floats without changing velocities.
 That changes the energy of the floats, which no budget contains. Positions of other programs may overlap as deeply; if
-none do so by more than half of the slop, the first step moves nothing.
+none do so by more than nearly the slop, the first step moves nothing.
 """
 
 from __future__ import annotations
@@ -27,8 +27,10 @@ contacts of other programs leave such overlaps.
 """
 ENOUGH = 1e-10
 """The remaining overlap, over the radius, at which the separation ends."""
-KEPT = 0.5
-"""The overlap that is left unchanged, over the slop: rafts of another run are continued to the bit."""
+KEPT = 0.9
+"""The overlap that is left unchanged, over the slop. Those that a run leaves are smaller, since it separates floats
+down to half of the slop: its rafts are continued to the bit.
+"""
 
 
 def separated(position: Array, radius: Array, periods: Array, walls: Walls, slop: float) -> Array:
