@@ -362,3 +362,32 @@ def test_every_number_of_a_frame_is_expected(dimension):
     )  # fmt: skip
     frame = next(iter(ecume.simulate(scene)))
     assert len(numbers_expected(SPH.parameters(scene))) == len(frame.numbers)
+
+
+@pytest.mark.parametrize(
+    ("change", "there"),
+    [
+        ("method.artificial_viscosity=0.0", True),
+        ("method.artificial_viscosity=0.1", False),
+        ("method.shifting=none", False),
+        ("tank.high=[0.5, 1.2]", False),
+    ],
+)
+def test_shifting_without_any_viscosity_is_remarked(change, there):
+    text = """
+    model = "sph"
+    duration = 1.0
+    frame_every = 0.5
+    spacing = 0.1
+    gravity = [0.0, -1.0]
+    [liquid]
+    density = 1.0
+    [tank]
+    high = [0.5, 1.0]
+    [[fluid]]
+    low = [0.0, 0.0]
+    high = [0.5, 1.0]
+    [method]
+    artificial_viscosity = 0.0
+    """
+    assert ("shifting" in said(ecume.load_scene(text, [change]))) == there

@@ -33,6 +33,7 @@ from ecume.models.sph.setup.choices import (
     liquid_in,
     makes_waves,
     material_rows,
+    shifting_of,
     sides_of,
     smallest_extent,
     smoothing_of,
@@ -63,6 +64,7 @@ def regime_rows(scene: SphScene, parameters: Parameters) -> list[Row]:
         *_rheology(parameters),
         *_viscosity(scene, parameters),
         *_effective_viscosity(scene, parameters),
+        *_shifting(scene, parameters),
         *_waves(scene, parameters),
     ]
 
@@ -107,6 +109,15 @@ def _effective_viscosity(scene: SphScene, parameters: Parameters) -> list[Row]:
     number = material.fastest * smallest_extent(scene) / (added + flow_viscosity(scene, parameters) / material.density)
     remark = f"at most: artificial viscosity acts like {added:.2g} m^2/s; method.artificial_viscosity sets it"
     return [("effective Reynolds number", f"{number:.3g}", remark)]
+
+
+def _shifting(scene: SphScene, parameters: Parameters) -> list[Row]:
+    """The row on shifting in a liquid without any viscosity: nothing removes the energy that it adds."""
+    shifting = shifting_of(scene)
+    if shifting == "none" or parameters.projection or total_viscosity(scene, parameters) > 0.0:
+        return []
+    remark = 'without any viscosity its energy grows where particles are not on a lattice; method.shifting = "none" or'
+    return [("shifting", shifting, f"{remark} a viscosity avoids that")]
 
 
 def _waves(scene: SphScene, parameters: Parameters) -> list[Row]:
