@@ -53,6 +53,8 @@ STEP, STEPS, FRAMES = 5e-4, 150, 2500
 """Time step (s), steps per frame, and frames in equilibrium; with persistence there are twice as many frames."""
 FORCE, PERSISTENCE = 3.6e-14, 0.6
 """The active force (N), as large as the attraction, and its correlation time (s), many vibrations long."""
+APART = 20.0
+"""Diameters beyond which two spheres belong to different groups."""
 LATTICE = np.array([[1.0, 0.0], [0.5, math.sqrt(0.75)]])
 GROUND_STATES = {
     "triangle": [(0, 0), (1, 0), (2, 0), (0, 1), (1, 1), (0, 2)],
@@ -68,13 +70,13 @@ def rows() -> list[Row]:
 
 
 def attraction(distance: Any, parameters: Any) -> Any:
-    """The force of Morse's potential between spheres in contact, and of a spring at large distances (N)."""
+    """The force of Morse's potential in contact, and of a spring between distant spheres of a group (N)."""
     depth, steepness, farthest, spring = parameters.constants
     diameter = parameters.radius_i + parameters.radius_j
     x = distance / diameter
     decay = math.exp(-steepness * (x - 1.0))
     force = -2.0 * depth * steepness / diameter * (decay - decay * decay)
-    if x > farthest:
+    if farthest < x < APART:
         force -= spring * (x - farthest) / diameter
     return force
 
