@@ -99,7 +99,7 @@ def test_a_dataset_is_read_back_with_its_conventions(tmp_path):
 
 
 def coming_and_going(count=600, speed=1.0, rate=0.02):
-    """Each particle enters at its own frame, drifts with noise and leaves after ten frames; nobody is there always."""
+    """Each particle enters at its own frame, drifts with noise and leaves after ten frames."""
     entered, moved = np.arange(count) * 30 // count, np.zeros((count, 2))
     found = []
     for k in range(31):

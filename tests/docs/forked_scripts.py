@@ -1,7 +1,8 @@
 """Scripts in processes that are forked from one with ecume imported, for which each alone would take two seconds.
 
-Run as a program it reads a line of JSON for each: the words of its command, or `-c` and code. It answers with the exit
-status, which is less than zero if a signal ended the script. What that printed is in the files of the command line.
+Run as a program it reads a line of JSON for each: a number, and the words of its command, or `-c` and code. It answers
+with the number and the exit status, which is less than zero if a signal ended the script. What that printed is in the
+files of the command line.
 """
 
 from __future__ import annotations
@@ -34,7 +35,7 @@ class Scripts:
 
     def __init__(self, folder: Path) -> None:
         """Start it; the output of scripts goes through files in the folder."""
-        self.files = folder / "stdout", folder / "stderr"
+        self.files, self.asked = (folder / "stdout", folder / "stderr"), 0
         words = [sys.executable, "-m", "tests.docs.forked_scripts", *map(str, self.files), "--quick"]
         pipe = subprocess.PIPE
         # A group of processes, so that a script that hangs can be ended as well.
@@ -44,8 +45,11 @@ class Scripts:
         """The end of a script with these words."""
         assert self.process.stdin is not None
         assert self.process.stdout is not None
-        print(json.dumps(words), file=self.process.stdin, flush=True)
-        status = int(self.process.stdout.readline())
+        self.asked += 1
+        print(json.dumps([self.asked, *words]), file=self.process.stdin, flush=True)
+        number = 0
+        while number < self.asked:  # the answer to a script that was given up may come first
+            number, status = map(int, self.process.stdout.readline().split())
         return Ended(status, *(file.read_text(encoding="utf-8", errors="replace") for file in self.files))
 
     def close(self) -> None:
@@ -61,10 +65,11 @@ def main(stdout: str, stderr: str) -> None:
     models: Any = importlib.import_module("ecume.models").MODELS
     assert all(models.values())
     for line in sys.stdin:
+        number, *words = json.loads(line)
         if (child := os.fork()) == 0:
-            begin(json.loads(line), stdout, stderr)
+            begin(words, stdout, stderr)
             return
-        print(os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]), flush=True)
+        print(number, os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]), flush=True)
 
 
 def begin(words: Sequence[str], stdout: str, stderr: str) -> None:

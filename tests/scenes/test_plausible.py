@@ -92,7 +92,7 @@ def test_a_value_without_its_unit_gets_a_remark_that_names_the_unit(model, key, 
     assert "plain numbers are in SI units" in found[2]
     unit = found[2].rstrip("?").split()[-1]
     same_unit = flat.split()[1]
-    lengths, speeds = {"nm", "um", "mm", "cm"}, {"mm/s", "cm/s", "um/s"}  # which of them was meant nobody can know
+    lengths, speeds = {"nm", "um", "mm", "cm"}, {"mm/s", "cm/s", "um/s"}  # which of them was meant cannot be known
     assert unit in next((each for each in (lengths, speeds) if same_unit in each), {same_unit})
 
 

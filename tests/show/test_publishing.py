@@ -27,6 +27,13 @@ def test_a_figure_gets_the_width_of_a_column_and_loses_its_title():
     assert made.axes[0].get_title(loc="left") == made.axes[0].get_title() == ""
 
 
+@pytest.mark.parametrize("width", [0.001, 0.0299])
+def test_a_figure_without_room_for_its_panels_is_refused(width):
+    with pytest.raises(BadInput, match=r"mm wide has no room for its panels; expected at least 30 mm"):
+        finished(drawn(), Finish(width=width))
+    finished(drawn(), Finish(width=0.03))
+
+
 def test_runs_in_one_figure_have_the_same_unit_and_their_names():
     both = together([("coarse", drawn()), ("fine", drawn(unit="Pa", scale=1000.0))])
     one, other = curves_of(both.axes[0])

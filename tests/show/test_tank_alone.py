@@ -180,8 +180,8 @@ def asked(page, *questions):
     return [one["answer"] for one in answers]
 
 
-def told(answer):
-    """The positions, velocities and densities that a page tells of, (d, N) and (N,)."""
+def shown(answer):
+    """The positions, velocities and densities that a page shows, (d, N) and (N,)."""
     liquid = answer["liquid"]
     return np.array(liquid["position"]).T, np.array(liquid["velocity"]).T, np.array(liquid["density"])
 
@@ -198,7 +198,7 @@ def test_smooth_steps_end_where_those_of_ecume_do(page):
     for answer, steps, close in ((smooth, 100, 1e-12), (late, 300, 1e-9)):
         assert SPH.advance(parameters, state, workspace, steps) == answer["status"] == DONE
         order = np.argsort(state.identity)
-        position, velocity, density = told(answer)
+        position, velocity, density = shown(answer)
         assert np.abs(position - state.position[:, order]).max() < close
         assert np.abs(velocity - state.velocity[:, order]).max() < 1e3 * close
         assert np.abs(density / state.density[order] - 1.0).max() < 1e2 * close
@@ -214,7 +214,7 @@ def test_a_dam_that_breaks_keeps_its_mass_and_loses_energy(page):
     there, fronts = [], []
     for answer in answers:
         liquid = answer["liquid"]
-        position, velocity, density = told(answer)
+        position, velocity, density = shown(answer)
         mass, region = np.array(liquid["mass"]), np.array(liquid["region"])
         state = make_state(parameters, Liquid(position, velocity, density, np.zeros(len(mass)), mass, region))
         there.append(energies(parameters, state, 0.0, 0.0)["total_energy"])
@@ -252,7 +252,7 @@ def test_hands_pour_scoop_and_tilt_and_the_scene_is_kept(page):
     count = len(there["liquid"]["mass"])
     assert len(flown["liquid"]["mass"]) == count
     assert now["opened"] == 0
-    x, y = told(there)[0]
+    x, y = shown(there)[0]
     assert not np.any((x > 0.72) & (x < 0.84) & (y < 1.0)), "liquid is in the closed gate"
     saved = load_scene(text)
     assert sum(len(region.particles.positions) for region in saved.fluid) == count

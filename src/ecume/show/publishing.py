@@ -49,9 +49,17 @@ class Finish(NamedTuple):
     title: bool = True
 
 
+LEAST = 0.03
+"""The least width (m) that leaves room for panels beside their labels."""
+
+
 def finished(drawn: Figure, finish: Finish) -> Figure:
-    """The same figure with this width, its sides in the same ratio."""
+    """The same figure with this width, its sides in the same ratio. Raises BadInput if panels have no room."""
     if finish.width is not None:
+        if finish.width < LEAST:
+            raise BadInput(
+                f"a figure {1e3 * finish.width:.3g} mm wide has no room for its panels; expected at least 30 mm"
+            )
         width, height = drawn.get_size_inches()
         drawn.set_size_inches(finish.width / INCH, height * finish.width / INCH / width)
         if finish.width < NARROW:
