@@ -171,3 +171,14 @@ def test_where_nothing_can_be_written_a_temporary_folder_stands_in_and_goes_with
     )
     assert done.stdout.startswith(str(tmp_path / "ecume-"))
     assert {path.name for path in tmp_path.iterdir()} == {"file"}
+
+
+def test_a_user_without_a_home_compiles_in_a_temporary_folder_and_hears_of_it(monkeypatch):
+    pwd = pytest.importorskip("pwd")
+    for name in ("ECUME_CACHE_DIR", "HOME", "XDG_CACHE_HOME"):
+        monkeypatch.delenv(name, raising=False)
+    monkeypatch.setattr(pwd, "getpwuid", {}.__getitem__)  # no user has any id
+    with pytest.warns(UserWarning, match="no home folder. Set ECUME_CACHE_DIR"):
+        place = _cache.root.__wrapped__()
+    assert place.is_dir()
+    shutil.rmtree(place)

@@ -42,7 +42,11 @@ def root() -> Path:
     import platformdirs
 
     asked = os.environ.get("ECUME_CACHE_DIR")
-    place = (Path(asked) if asked else Path(platformdirs.user_cache_dir("ecume"))) / "compiled"
+    try:
+        place = (Path(asked) if asked else Path(platformdirs.user_cache_dir("ecume"))) / "compiled"
+    except RuntimeError:  # as for a user id of a container that no user has
+        _warn("compiled code is not kept, since this user has no home folder. Set ECUME_CACHE_DIR to a folder")
+        return _temporary()
     try:
         # Private to the user, since code that is written there will be run.
         place.mkdir(parents=True, exist_ok=True, mode=0o700)
@@ -76,11 +80,14 @@ def writable_for_others(status: os.stat_result) -> str:
 
 
 def _warn_of(place: Path, fault: str) -> None:
-    warnings.warn(
+    _warn(
         f"compiled code in {place} is not used: the folder {fault}, which lets them make you run anything. Delete it, "
-        "or set ECUME_CACHE_DIR to your folder; until then everything is compiled in each process",
-        stacklevel=2,
+        "or set ECUME_CACHE_DIR to your folder"
     )
+
+
+def _warn(text: str) -> None:
+    warnings.warn(f"{text}; until then everything is compiled in each process", stacklevel=2)
 
 
 def _temporary() -> Path:

@@ -10,6 +10,7 @@ import subprocess
 import sys
 import time
 import tomllib
+import typing
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -235,6 +236,16 @@ def test_a_syntax_fault_has_its_line_and_column() -> None:
     assert (fault.line, fault.column) == (2, 11)
     (fault,) = faults_of('model = "floating"\ntitle = "bowl')
     assert (fault.line, fault.column) == (2, 14)
+
+
+def test_thousands_of_unknown_keys_are_refused_without_reading_the_tables_for_each(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    asked, read = [], typing.get_type_hints
+    monkeypatch.setattr(typing, "get_type_hints", lambda *given, **options: asked.append(1) or read(*given, **options))
+    found = faults_of("\n".join(f"key_{number} = 1" for number in range(600)) + "\n" + BOWL)
+    assert len(found) == 501
+    assert len(asked) < 100
 
 
 def test_a_file_must_be_utf8(tmp_path: Path) -> None:

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import os
 import re
 import tomllib
 from pathlib import Path
 
 import pytest
 
-from ecume.errors import BadInput, SceneError
+from ecume.errors import BadInput, SceneError, StorageError
 from ecume.scenes.load import load_scene
 from ecume.scenes.templates import copy_template, templates
 
@@ -77,6 +78,21 @@ def test_nothing_is_overwritten(tmp_path: Path) -> None:
         copy_template("raft-from-table", tmp_path / "scene.toml")
     assert not (tmp_path / "scene.toml").exists()
     assert (tmp_path / "raft-from-table.csv").read_text() == "mine"
+
+
+@pytest.mark.skipif(os.name == "nt", reason="Windows knows no limit on the size of a file")
+@pytest.mark.parametrize("room", [0, 20_000])  # the scene fits into the second, the field beside it does not
+def test_a_full_disk_leaves_no_part_of_a_template(tmp_path: Path, room: int) -> None:
+    import resource
+
+    before = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (room, before[1]))
+    try:
+        with pytest.raises(StorageError, match="no room left"):
+            copy_template("plankton-gyre", tmp_path / "new" / "scene.toml")
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, before)
+    assert not list((tmp_path / "new").iterdir())
 
 
 def test_an_unknown_template_is_refused_with_the_nearest(tmp_path: Path) -> None:

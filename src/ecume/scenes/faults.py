@@ -8,6 +8,7 @@ import tomllib
 import types
 import typing
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from functools import cache
 from typing import TYPE_CHECKING, Any, Literal
 
 from pydantic import ValidationError
@@ -299,7 +300,7 @@ def _as_table(detail: ErrorDetails, kind: type, path: Path) -> str:
         return f"; write [[{'.'.join(str(key) for key in path if isinstance(key, str))}]] with two brackets"
     if detail["type"] != "dataclass_type" or not isinstance(word, str):
         return ""
-    hints = typing.get_type_hints(_kind_at(kind, path))
+    hints = _hints(_kind_at(kind, path))
     keys = [key for key, hint in hints.items() if typing.get_origin(hint) is Literal and word in typing.get_args(hint)]
     return f"; write {path[-1]} = {{ {keys[0]} = {echo(word)} }}".replace("'", '"') if keys else ""
 
@@ -391,10 +392,16 @@ def _hint(kind: type, path: Path) -> str:
     return f"; expected for example {example(units[0].symbol)!r}" if units else ""
 
 
+@cache
+def _hints(kind: Any) -> dict[str, Any]:
+    """The types of the keys of a table, without their units: evaluating them takes long."""
+    return typing.get_type_hints(kind)
+
+
 def _kind_at(kind: Any, path: Path) -> Any:
     """The type of the piece at `path` of a `kind`."""
     for key in path:
-        kind = _items(kind)[0] if isinstance(key, int) else typing.get_type_hints(kind)[key]
+        kind = _items(kind)[0] if isinstance(key, int) else _hints(kind)[key]
         if isinstance(kind, types.UnionType):
             kind = next(part for part in typing.get_args(kind) if part is not type(None))
     return kind

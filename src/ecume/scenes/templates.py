@@ -8,6 +8,7 @@ from pathlib import Path
 
 from ecume.errors import BadInput
 from ecume.scenes.faults import suggestion
+from ecume.trajectories.records import storing, write_whole
 
 
 def templates() -> dict[str, str]:
@@ -52,10 +53,23 @@ def copy_template(name: str, to: Path) -> list[Path]:
     for path in contents:
         if path.exists():
             raise BadInput(f"{path} exists already; name another file with -o")
-    for path, content in contents.items():
-        path.parent.mkdir(parents=True, exist_ok=True)
-        path.write_bytes(content)
+    _write_all(contents)
     return list(contents)
+
+
+def _write_all(contents: dict[Path, bytes]) -> None:
+    """Write all files, or none if one of them fails."""
+    done: list[Path] = []
+    try:
+        for path, content in contents.items():
+            with storing(path):
+                path.parent.mkdir(parents=True, exist_ok=True)
+            write_whole(path, content)
+            done.append(path)
+    except BaseException:
+        for path in done:
+            path.unlink(missing_ok=True)
+        raise
 
 
 BESIDE = (".csv", ".nc", ".npz")
