@@ -219,6 +219,30 @@ def test_each_step_of_the_rate_is_a_point_of_the_flow_curve_after_its_transient(
     assert steady_flows(frames[:1] * 2, scene) == []
 
 
+@pytest.mark.parametrize(("rates", "falling"), [
+    ((0.1, 0.3, 1.0, 0.3, 0.1), "-20 % at 0.3 /s"),
+    ((1.0, 1.0, 0.1, 0.3, 1.0), None),  # a pre-shear, and rates that rise
+    ((0.1, 0.3, 1.0), None),
+])  # fmt: skip
+def test_a_sweep_up_and_down_shows_its_hysteresis(boxed, rates, falling):
+    """On the way down the stress at 0.3/s is lower by a fifth, that at 0.1/s by a tenth."""
+    scene, (first, *_) = boxed
+    steps = RateStepsSpec(rates=rates, strain=0.5)
+    scene = dataclasses.replace(scene, duration=sum(steps.spans), protocol=(StageSpec(time=0.0, rate_steps=steps),))
+    frames, start, strain, noise = [first], 0.0, 0.0, np.random.default_rng(1)
+    for place, (rate, span) in enumerate(zip(rates, steps.spans, strict=True)):
+        lower = {0.3: 0.8, 0.1: 0.9}.get(rate, 1.0) if place > 2 else 1.0
+        for part in np.arange(1, 41) / 40:
+            shear = lower * (0.1 + rate) * (1.0 + 0.001 * noise.normal())
+            now = {"strain": strain + 0.5 * part, "shear_stress": shear, "normal_stress": 3.0 * shear}
+            frames.append(first._replace(time=start + part * span, numbers=first.numbers | now))
+        start, strain = start + span, strain + 0.5
+    shown = SOFT_FIGURES["flow-curve"](frames, scene)
+    labels = [text.get_text() for text in shown.axes[0].get_legend().get_texts()]
+    assert any(falling in label for label in labels) if falling else "rates falling" not in " ".join(labels)
+    assert ("steady flows" in labels) is (falling is None)
+
+
 def test_a_drift_is_marked_as_not_stationary(boxed):
     scene, _ = boxed
     frames = [_sheared(time) for time in np.linspace(0.0, 3.0, 61)]

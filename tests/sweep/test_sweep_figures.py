@@ -15,7 +15,7 @@ from ecume.errors import BadInput
 from ecume.show.style import figure
 from ecume.sweep import figures
 from ecume.sweep.figures import Column, column_of, edges, plot_sweep, scatter, sweep_figure
-from ecume.sweep.fits import Points, fit_of, largest_difference, points_of
+from ecume.sweep.fits import Points, fit_of, points_of
 from ecume.sweep.results import representing
 from ecume.sweep.spec import Axis
 
@@ -256,23 +256,6 @@ def test_the_command_prints_the_fits_with_their_intervals_and_where_two_curves_d
     assert low <= value <= high
     assert "liquid water differs from liquid oil most at 9: by -50 %" in printed
     assert {path.name for path in tmp_path.iterdir()} == {"fit.png", "fit.csv"}
-
-
-def test_two_curves_are_compared_where_they_differ_most():
-    rates = np.array([0.1, 1.0, 10.0])
-    one = Points("1", rates, tuple(Mean(value, 0.1) for value in (1.0, 2.0, 4.0)), (3,) * 3)
-    two = Points("2", rates[1:], (Mean(2.2, 0.1), Mean(3.0, 1.0)), (3,) * 2)
-    found = largest_difference(one, two)
-    assert (found.at, found.relative, found.errors) == pytest.approx((1.0, 0.1, 2.0**0.5))
-    with pytest.raises(BadInput, match="no value of the axis in common"):
-        largest_difference(one, two._replace(at=np.array([5.0, 7.0])))
-
-
-def test_curves_at_zero_are_compared_as_well():
-    """Durations, yield stresses and counts can be zero, and single runs without an error, too."""
-    one, two = (Points("", np.array([1.0]), (Mean(value, 0.1),), (3,)) for value in (0.0, -0.2))
-    assert largest_difference(one, two) == pytest.approx((1.0, -np.inf, 2.0**0.5))
-    assert largest_difference(one, one) == (1.0, 0.0, 0.0)
 
 
 def test_runs_without_a_value_are_counted():

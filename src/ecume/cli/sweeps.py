@@ -122,8 +122,9 @@ def _fit_all(directory: Path, *, quiet: bool) -> None:
     """
     import numpy as np
 
+    from ecume.analysis.curves import largest_difference
     from ecume.sweep.figures import fitted_curves, plot_sweep
-    from ecume.sweep.fits import PARAMETERS, fit_of, largest_difference
+    from ecume.sweep.fits import PARAMETERS, fit_of
 
     (picture,) = plot_sweep(directory, "fit")
     measure, curves = fitted_curves(directory)
@@ -142,7 +143,7 @@ def _fit_all(directory: Path, *, quiet: bool) -> None:
     if omitted:
         say(f"{omitted} runs are omitted: {measure} is not stationary there, or not a number; run these for longer")
     if len(curves) == 2 and np.intersect1d(curves[0].at, curves[1].at).size:
-        apart = largest_difference(*curves)
+        apart = largest_difference(*(points.curve for points in curves))
         said = f"{100.0 * apart.relative:+.2g} %, {apart.errors:.2g} standard errors"
         echo(f"{curves[1].label} differs from {curves[0].label} most at {apart.at:.4g}: by {said}")
     echo(f"wrote {picture} and {picture.with_suffix('.csv')}")

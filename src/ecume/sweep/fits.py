@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import io
 import itertools
-import math
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import NamedTuple
@@ -13,6 +12,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from scipy.stats import t
 
+from ecume.analysis.curves import Curve
 from ecume.analysis.rheology import CurveFit, power_fit
 from ecume.analysis.series import Mean
 from ecume.errors import BadInput
@@ -39,6 +39,11 @@ class Points(NamedTuple):
     """the number of runs at each value"""
     omitted: int = 0
     """the runs without a finite value, such as those that did not become stationary"""
+
+    @property
+    def curve(self) -> Curve:
+        """The means alone."""
+        return Curve(self.at, self.means)
 
     @property
     def width(self) -> float:
@@ -96,37 +101,6 @@ def rows_of(points: Points) -> Iterator[tuple[object, ...]]:
         value, error = getattr(fit, name)
         yield points.label, name, "", value, error, value - width * error, value + width * error, ""
     yield points.label, "misfit", "", fit.misfit, "", "", "", ""
-
-
-class Difference(NamedTuple):
-    """Where two curves differ most, relative to their errors."""
-
-    at: float
-    """the value of the axis"""
-    relative: float
-    """the second value over the first, minus 1; infinite where the first is zero"""
-    errors: float
-    """the difference in standard errors of it; infinite where both are single runs"""
-
-
-def largest_difference(first: Points, second: Points) -> Difference:
-    """The largest difference of two curves among the values of the axis that both have, in standard errors. Raises
-    BadInput without such values.
-
-    >>> one, two = (Points("", np.array([1.0]), (Mean(value, 0.3),), (3,)) for value in (2.0, 3.0))
-    >>> largest_difference(one, two)._replace(errors=0.0)
-    Difference(at=1.0, relative=0.5, errors=0.0)
-    """
-    found = []
-    for at, one in zip(first.at, first.means, strict=True):
-        for other in (mean for place, mean in zip(second.at, second.means, strict=True) if place == at):
-            apart, error = abs(other.value - one.value), float(np.hypot(one.error, other.error))
-            errors = apart / error if error > 0.0 else (np.inf if apart else 0.0)
-            relative = (other.value - one.value) / one.value if one.value else math.copysign(math.inf, other.value)
-            found.append(Difference(float(at), relative if apart else 0.0, float(errors)))
-    if not found:
-        raise BadInput("the two curves have no value of the axis in common")
-    return max(found, key=lambda one: (one.errors, abs(one.relative)))
 
 
 def write_fits(file: Path, curves: Sequence[Points]) -> None:

@@ -14,6 +14,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator, NullFormatter, StrMethodFormatter
 
+from ecume.analysis.curves import Curve, Difference, branches, largest_difference
 from ecume.analysis.rheology import (
     FEWEST_POINTS,
     CurveFit,
@@ -48,6 +49,8 @@ ALIKE = 0.01
 """The difference of volume fractions below which they count as equal."""
 SHEARS = ("strain", "shear_rate", "rate_steps", "shear_stress", "oscillation")
 """Keys of a moment of the protocol that end the shear stress before it."""
+FEWEST_RATES = 3
+"""The smallest number of different shear rates, one after the other, that count as a sweep up or down."""
 LEAST = 8
 """The smallest number of frames of a part of the protocol for the detection of a steady state."""
 
@@ -114,13 +117,14 @@ class Look(NamedTuple):
     label: str = "_"
     scale: float = 1.0
     """of the values"""
+    marker: str = "o"
 
 
 def _points(axes: Axes, x: Sequence[Mean], y: Sequence[Mean], look: Look) -> None:
     """Draw means with the errors of both axes."""
     axes.errorbar(
         [abs(one.value) for one in x], [look.scale * one.value for one in y], [look.scale * one.error for one in y],
-        [one.error for one in x], fmt="o", markersize=4, capsize=2, color=look.color, label=look.label,
+        [one.error for one in x], fmt=look.marker, markersize=4, capsize=2, color=look.color, label=look.label,
     )  # fmt: skip
 
 
@@ -176,33 +180,99 @@ def place_of(now: Array, frame: Frame) -> int:
     return int(np.argmin(np.abs(now - frame.time)))
 
 
-def fitted_flow(flows: Sequence[SteadyFlow]) -> CurveFit | None:
-    """Herschel and Bulkley's law of the flows that are stationary and have the volume fraction of the last one, which
-    a pre-shear before a compression has not; None where they are too few, or do not determine it.
+def stress_of(flow: SteadyFlow) -> Mean:
+    """The shear stress along the flow."""
+    return Mean(abs(flow.point.shear_stress.value), flow.point.shear_stress.error)
+
+
+def rate_of(flow: SteadyFlow) -> float:
+    """The shear rate without its sign, to the digits to which rates that are meant to be equal agree (1/s)."""
+    return float(f"{abs(flow.point.rate.value):.4g}")
+
+
+def comparable(flows: Sequence[SteadyFlow]) -> list[int]:
+    """The indices of the flows that are stationary and have the volume fraction of the last one, which a pre-shear
+    before a compression has not.
     """
     last = flows[-1].point.fraction.value if flows else 0.0
-    flows = [flow for flow in flows if flow.settled and abs(flow.point.fraction.value - last) < ALIKE * last]
-    rates = [abs(flow.point.rate.value) for flow in flows]
+    alike = (abs(flow.point.fraction.value - last) < ALIKE * last for flow in flows)
+    return [place for place, (flow, same) in enumerate(zip(flows, alike, strict=True)) if flow.settled and same]
+
+
+def fitted_flow(flows: Sequence[SteadyFlow]) -> CurveFit | None:
+    """Herschel and Bulkley's law of the comparable flows; None where they are too few, or do not determine it."""
+    flows = [flows[place] for place in comparable(flows)]
     if len(flows) < FEWEST_POINTS:
         return None
-    stresses = [Mean(abs(flow.point.shear_stress.value), flow.point.shear_stress.error) for flow in flows]
     try:
-        return herschel_bulkley(np.array(rates), stresses)
+        return herschel_bulkley(np.array([abs(flow.point.rate.value) for flow in flows]), list(map(stress_of, flows)))
     except BadInput:
         return None
 
 
+class Directions(NamedTuple):
+    """The indices of the flows at rates that rise, those at rates that fall, and all others."""
+
+    rising: list[int]
+    falling: list[int]
+    other: list[int]
+
+
+def directions(flows: Sequence[SteadyFlow]) -> Directions:
+    """Which flows belong to a sweep of rates up and which to one down, where the rates turn; the flow at a turn belongs
+    to both. Fewer than `FEWEST_RATES` in one direction, such as a pre-shear before the slowest rate, are no sweep.
+    """
+    rates = list(map(rate_of, flows))
+    parts = [one for one in branches(rates) if len({rates[place] for place in one.places}) >= FEWEST_RATES]
+    up, down = ({place for one in parts if one.rises is rises for place in one.places} for rises in (True, False))
+    if not up or not down:
+        up, down = set(), set()
+    return Directions(sorted(up), sorted(down), sorted(set(range(len(flows))) - up - down))
+
+
+def hysteresis(flows: Sequence[SteadyFlow]) -> Difference | None:
+    """Where the stresses of comparable flows at falling rates differ most from those at rising ones; None where the
+    rates do not turn, or have none in common.
+    """
+    good, both = set(comparable(flows)), directions(flows)
+    up, down = ([flows[place] for place in places if place in good] for places in (both.rising, both.falling))
+    shared = {rate_of(flow) for flow in up} & {rate_of(flow) for flow in down}
+    if len(shared) < 2:  # the rate at the turn is the same flow
+        return None
+    return largest_difference(
+        *(Curve(np.array(list(map(rate_of, one))), tuple(map(stress_of, one))) for one in (up, down))
+    )
+
+
+def _sets_of_points(flows: Sequence[SteadyFlow], factor: float) -> list[tuple[list[int], Look]]:
+    """The sets of points of a flow curve, with the style of each."""
+    found, apart = directions(flows), hysteresis(flows)
+    said = (
+        ""
+        if apart is None
+        else f",\n{100.0 * apart.relative:+.2g} % at {apart.at:.3g} /s ({apart.errors:.2g} std. errors)"
+    )
+    sets = (
+        (found.other, Look(PALETTE[1], "steady flows", factor)),
+        (found.rising, Look(PALETTE[1], "rates rising", factor, "^")),
+        (found.falling, Look(PALETTE[0], f"rates falling{said}", factor, "v")),
+    )
+    return [one for one in sets if one[0]]
+
+
 def flow_curve(frames: Frames, scene: SoftScene) -> Figure:
-    """Shear stress over shear rate, a point for each part of the protocol, with Herschel and Bulkley's law."""
+    """Shear stress over shear rate, a point for each part of the protocol, with Herschel and Bulkley's law. A sweep of
+    rates up and down shows both directions.
+    """
     flows = _required_flows(frames, scene)
-    values = [Mean(abs(flow.point.shear_stress.value), flow.point.shear_stress.error) for flow in flows]
-    rates = [flow.point.rate for flow in flows]
+    values, rates = list(map(stress_of, flows)), [flow.point.rate for flow in flows]
     size, fit = [abs(rate.value) for rate in rates], fitted_flow(flows)
     scale = scale_for(max(one.value for one in values), frames[0].units["shear_stress"])
     with style():
         drawn = figure(6.4, 4.2)
         axes = drawn.add_subplot(xlabel="shear rate (1/s)", ylabel=f"shear stress ({scale.unit})")
-        _points(axes, rates, values, Look(PALETTE[1], "steady flows", scale.factor))
+        for places, look in _sets_of_points(flows, scale.factor):
+            _points(axes, [rates[place] for place in places], [values[place] for place in places], look)
         _mark_unsettled(axes, flows, size, [scale.factor * one.value for one in values])
         if fit is not None:
             rate = np.geomspace(min(size), max(size), 200)
