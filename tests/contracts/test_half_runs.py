@@ -125,6 +125,34 @@ def test_half_a_run_of_tracers_with_an_option(name):
     require_halves_to_make_a_whole(from_plain(test_tracer_option_pairs.plain_of(name, name)), pauses=20)
 
 
+def scene_with_deposits(seed):
+    """Particles that enter, diffuse, fly and stay on some walls and a disc, in a random flow."""
+    rng = np.random.default_rng(seed)
+    flow = {"name": "channel", "speed": 0.01} if seed % 2 else {"velocity": rng.uniform(-0.01, 0.01, 2).tolist()}
+    walls = [{"wall": int(wall), "sticking": True} for wall in rng.choice([0, 1, 3], 2, replace=False)]
+    dust = {"density": 2500.0, "count": 20}
+    return from_plain({
+        "model": "tracers", "duration": 0.04, "frame_every": 0.002, "seed": seed, "flow": flow,
+        "liquid": {"temperature": 350.0}, "hydrodynamics": {"brownian": True}, "integration": {"time_step": 5e-4},
+        "tank": {"high": [1e-3, 5e-4], "walls": walls},
+        "obstacles": [{"center": rng.uniform([4e-4, 2e-4], [6e-4, 3e-4]).tolist(), "radius": 1e-4, "sticking": True}],
+        "openings": [{"wall": 2, "low": [1e-3, 1e-4], "high": [1e-3, 4e-4], "rate": 800.0, "velocity": [-0.02, 0.0]}],
+        "particles": [{"radius": 1e-7, **dust}, {"radius": 4e-5, "velocity": [-0.03, 0.02], **dust}],
+    })  # fmt: skip
+
+
+@plain_only
+@pytest.mark.parametrize("seed", range(4))
+def test_deposits_are_the_same_after_a_pause(seed):
+    scene = scene_with_deposits(seed)
+    half = copied(states(scene, 10)[-1])
+    whole, holes = require_halves_to_make_a_whole(scene, pauses=20), len(scene.openings)
+    before, after = half.left >= holes, whole.left >= holes
+    assert 0 < before.sum() < after.sum() < len(after)
+    np.testing.assert_array_equal(whole.left[: len(before)][before], half.left[before])
+    np.testing.assert_array_equal(whole.position[: len(before)][before], half.position[before])
+
+
 def changed(scene, **tables):
     return from_plain({**to_plain(scene), **tables})
 

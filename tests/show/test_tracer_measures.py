@@ -3,10 +3,11 @@
 import numpy as np
 import pytest
 
+from ecume.analysis.dispersion import collector_efficiency
 from ecume.errors import BadInput
-from ecume.scenes.schema import from_plain
+from ecume.scenes.schema import from_plain, to_plain
 from ecume.show.tracer_measures import before_exits, dispersion_over_time, efficiency, spreading, whole_bins
-from ecume.show.tracers import heights
+from ecume.show.tracers import heights, wall_hits
 from ecume.trajectories.frame import Frame
 
 SCENE = from_plain({
@@ -62,6 +63,29 @@ def test_no_bin_of_residence_times_is_empty_by_its_width_alone(interval):
 def test_an_efficiency_needs_something_that_holds_particles():
     with pytest.raises(BadInput, match="no wall and no obstacle holds particles"):
         efficiency(course([5] * 40), SCENE)
+
+
+def test_each_species_has_its_own_efficiency():
+    species = np.repeat([0, 1], 20)
+    frames = [
+        frame._replace(
+            arrays=frame.arrays | {"species": species, "left": np.where(frame.arrays["left"] < 0, -1, species)},
+            numbers={"left_through_opening_0": 0.0, "deposited_on_wall_4": 0.0},
+        )
+        for frame in course([5] * 20 + [7] * 20)
+    ]
+    scene = from_plain({**to_plain(SCENE), "particles": [to_plain(SCENE)["particles"][0] | {"name": n} for n in "ab"]})
+    (axes,) = efficiency(frames, scene).axes
+    through, held = (line.get_ydata() for line in axes.lines)
+    np.testing.assert_array_equal(through, [np.nan] * 5 + [0.0] * 5)
+    np.testing.assert_array_equal(held, [np.nan] * 7 + [1.0] * 3)
+    assert collector_efficiency(frames[-1]).value == 0.5
+
+
+def test_walls_without_collisions_are_not_drawn():
+    frames = [frame._replace(numbers={"hits": 0.0, "hits_on_wall_0": 0.0}) for frame in course([99] * 40)]
+    with pytest.raises(BadInput, match="no wall turned a particle back"):
+        wall_hits(frames, SCENE)
 
 
 def test_heights_below_zero_are_not_cut_off():

@@ -218,9 +218,10 @@ class Efficiency(NamedTuple):
     error: float
 
 
-def collector_efficiency(frame: Frame, wall: int | None = None) -> Efficiency:
-    """Deposited particles over all that are deposited or have left."""
-    held, gone = int(deposited(frame, wall).sum()), int((~inside(frame)).sum())
+def collector_efficiency(frame: Frame, wall: int | None = None, species: int | None = None) -> Efficiency:
+    """Deposited particles over all that are deposited or have left, of all or of one species, by its number."""
+    own = np.full(len(frame.arrays["left"]), True) if species is None else frame.arrays["species"] == species
+    held, gone = int((deposited(frame, wall) & own).sum()), int((~inside(frame) & own).sum())
     if not gone:
         raise BadInput("no particle is deposited or has left; expected a longer run")
     share = held / gone

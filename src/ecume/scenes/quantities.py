@@ -187,7 +187,7 @@ class ByDimension:
             try:
                 return InPlane(Unit(self.plane).number(value))
             except ValueError as error:
-                raise ValueError(f"{error}; {self.plane} in 2D") from None
+                raise ValueError(f"{error} in 2D, or {self.space} in 3D") from None
 
     def fault(self, value: float | None, dimensions: int) -> str:
         """The fault of a number whose unit has another dimension; empty for a fitting unit."""

@@ -13,7 +13,8 @@ from ecume.analysis.dispersion import Course
 from ecume.analysis.series import inside, times
 from ecume.errors import BadInput
 from ecume.show.curves import MOST_INSTANTS, Frames, evolution, over_time, titled
-from ecume.show.style import MUTED, PALETTE, figure, legend_outside, scale_for, style
+from ecume.show.picture import species
+from ecume.show.style import MUTED, PALETTE, figure, legend_outside, plain, scale_for, style
 from ecume.trajectories.frame import Frame
 from ecume.units import Array
 
@@ -158,10 +159,22 @@ def concentration(frames: Frames, scene: TracersScene) -> Figure:
         axes = drawn.add_subplot(xlabel=f"x ({scale.unit})", title=titled("Concentration along x", scene))
         for k, color in zip(range(len(picked)), PALETTE, strict=False):
             counted = (course.value[k] / scale.factor, course.error[k] / scale.factor)
-            bars(axes, scale.factor * edges, counted, color, f"{course.time[k]:g} s")
+            bars(axes, scale.factor * edges, counted, color, time_label(float(course.time[k])))
         axes.set_ylabel(f"particles per {scale.unit}")
         legend_outside(axes)
     return drawn
+
+
+def time_label(time: float) -> str:
+    """A time in the unit that fits, for legends.
+
+    >>> time_label(0.04), time_label(250.0), time_label(22.0 * 86400.0)
+    ('0.04 s', '250 s', '22 days')
+    """
+    for size, unit in ((86400.0, "days"), (3600.0, "h"), (60.0, "min")):
+        if time >= 10.0 * size:
+            return f"{time / size:.3g} {unit}"
+    return f"{time:.4g} s"
 
 
 def edges_of(values: Array, without: str) -> Array:
@@ -205,24 +218,34 @@ def deposition(frames: Frames, scene: TracersScene) -> Figure:
 
 
 def efficiency(frames: Frames, scene: TracersScene) -> Figure:
-    """The fraction of the particles that are deposited among those that are deposited or have left, over time."""
+    """The fraction of the particles of each species that are deposited among those that are deposited or have left,
+    over time.
+    """
     shown = evolution(frames)
     if not any(name.startswith("deposited_on_wall_") for name in shown[0].numbers):
         raise BadInput("no wall and no obstacle holds particles; there is no efficiency to draw")
-    found: list[Any] = []
-    for frame in shown:
-        gone = not inside(frame).all()
-        found.append(dispersion.collector_efficiency(frame) if gone else dispersion.Efficiency(np.nan, np.nan))
-    course = Course(*(np.array(part) for part in ([f.time for f in shown], *zip(*found, strict=True))))
-    if not np.isfinite(course.value).any():
+    kinds = species(scene)
+    courses = [efficiency_over_time(shown, index) for index in range(len(kinds))]
+    if not any(np.isfinite(course.value).any() for course in courses):
         raise BadInput("no particle is deposited or has left; no efficiency to draw")
     with style():
         drawn = figure()
         axes = over_time(drawn, scene, "Efficiency of walls and obstacles that hold particles")
-        band(axes, course.time, (course.value, course.error), "", PALETTE[1])
+        for kind, course in zip(kinds, courses, strict=True):
+            band(axes, course.time, (course.value, course.error), plain(kind.name), kind.color)
         axes.set_ylabel("deposited over deposited or gone")
         axes.set_ylim(0.0, 1.05)
+        legend_outside(axes)
     return drawn
+
+
+def efficiency_over_time(frames: Frames, kind: int) -> Course:
+    """The efficiency for one species, NaN before its first particle is deposited or has left."""
+    found = [dispersion.Efficiency(np.nan, np.nan)] * len(frames)
+    for k, frame in enumerate(frames):
+        if (~inside(frame) & (frame.arrays["species"] == kind)).any():
+            found[k] = dispersion.collector_efficiency(frame, species=kind)
+    return Course(times(frames), *np.array(found).T)
 
 
 MEASURES: dict[str, Any] = {

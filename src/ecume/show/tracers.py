@@ -18,7 +18,7 @@ from ecume.show.curves import Frames, displacement, energies, evolution, over_ti
 from ecume.show.picture import STANDING, USUAL, Eye, Size, Wires, species, wires_of
 from ecume.show.style import PALETTE, figure, legend_outside, plain, scale_for, style
 from ecume.show.tank import Round, Setting, Shape, Tank, seen
-from ecume.show.tracer_measures import MEASURES
+from ecume.show.tracer_measures import MEASURES, time_label
 from ecume.trajectories.frame import Frame
 from ecume.units import Array
 
@@ -127,7 +127,9 @@ def profile(frames: Frames, scene: TracersScene) -> Figure:
         axes = drawn.add_subplot(xlabel="particles in a slice", title=titled("Number of particles over height", scene))
         for frame, place, color in zip(instants, places, PALETTE, strict=False):
             counts, _ = np.histogram(place, edges)
-            axes.stairs(counts, scale.factor * edges, orientation="horizontal", color=color, label=f"{frame.time:g} s")
+            axes.stairs(
+                counts, scale.factor * edges, orientation="horizontal", color=color, label=time_label(frame.time)
+            )
         axes.set_ylabel(f"height ({scale.unit})")
         legend_outside(axes)
     return drawn
@@ -177,6 +179,8 @@ def wall_hits(frames: Frames, scene: TracersScene) -> Figure:
     names = [name for name in shown[0].numbers if name.startswith("hits_on_wall_")]
     if not names:
         raise BadInput("the scene has no walls; no collisions to draw")
+    if not shown[-1].numbers["hits"]:
+        raise BadInput("no wall turned a particle back; no collisions to draw")
     walls = wall_names(scene)
     with style():
         drawn = figure()

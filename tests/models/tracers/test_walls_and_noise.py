@@ -151,6 +151,13 @@ def test_a_concentration_of_another_dimension_is_refused(text, corners):
         opening(text, corners)
 
 
+@pytest.mark.parametrize("text", ["1 nM", "100 per mL", "100 mL", "1e6"])
+@pytest.mark.parametrize("corners", [2, 3])
+def test_a_concentration_in_no_fitting_unit_is_refused_with_that_of_each_dimension(text, corners):
+    with pytest.raises(SceneError, match=r"concentration: got '.*'100 1/mm\^2' in 2D, or 1/m\^3 in 3D"):
+        opening(text, corners)
+
+
 def opening(concentration, corners):
     """A scene with an inflow."""
     return from_plain({
