@@ -100,9 +100,9 @@ def test_a_warm_start_from_the_solution_needs_one_sweep():
     contacts = gathered(position, np.ones(len(position)), no_walls(), mobility)
     memory = Memory(np.zeros(1, np.int64), np.zeros((300, 2), np.int64), np.zeros(300))
     cold = impulse_solvers.solve(contacts, velocity.copy(), mobility, Tolerance(1e-9, 0.0))
-    touching.remember(touching.contact_keys(contacts), memory)
+    touching.remember(touching.contact_keys(contacts), contacts.impulse, memory, memory.impulse)
     contacts.impulse[:] = 0.0
-    touching.recall(touching.contact_keys(contacts), memory)
+    touching.recall(touching.contact_keys(contacts), contacts.impulse, memory, memory.impulse)
     assert impulse_solvers.solve(contacts, velocity.copy(), mobility, Tolerance(1e-9, 0.0)) == 1 < cold
 
 
@@ -112,11 +112,11 @@ def test_impulses_are_recalled_for_the_pairs_they_belong_to():
     memory = Memory(np.zeros(1, np.int64), np.zeros((300, 2), np.int64), np.zeros(300))
     rows = contacts.total[0]
     contacts.impulse[:rows] = 100.0 * contacts.first[:rows] + contacts.second[:rows]
-    touching.remember(touching.contact_keys(contacts), memory)
+    touching.remember(touching.contact_keys(contacts), contacts.impulse, memory, memory.impulse)
     fewer = np.delete(np.arange(rows), np.arange(0, rows, 3))
     contacts.first[: len(fewer)], contacts.second[: len(fewer)] = contacts.first[fewer], contacts.second[fewer]
     contacts.total[0] = len(fewer)
-    touching.recall(touching.contact_keys(contacts), memory)
+    touching.recall(touching.contact_keys(contacts), contacts.impulse, memory, memory.impulse)
     expected = 100.0 * contacts.first[: len(fewer)] + contacts.second[: len(fewer)]
     assert np.array_equal(contacts.impulse[: len(fewer)], expected)
 

@@ -24,7 +24,7 @@ def pressed(position, motion, radius, friction, walls, reach=1e-6):
     assert touching.gather(contacts, all_candidates(position), position, bodies, reach)
     touching.set_effective_masses(contacts, motion.mobility)
     rubbing = rough.make_friction_rows(len(contacts.gap))
-    rough.prepare(contacts, rubbing, radius, (friction, friction), motion)
+    rough.prepare(FrictionalContacts(contacts, rubbing), radius, ((friction, friction), (0.0, 0.0)), motion)
     return contacts, rubbing
 
 
@@ -164,11 +164,11 @@ def test_tangential_impulses_are_recalled_for_the_pairs_they_belong_to():
     tangential_impulse = np.zeros(300)
     first = sweeps.solve(FrictionalContacts(contacts, rubbing), cold, Tolerance(1e-9, 0.0))
     found = rubbing.impulse.copy()
-    touching.remember(touching.contact_keys(contacts), memory)
-    rough.remember(contacts, rubbing, memory, tangential_impulse)
+    touching.remember(touching.contact_keys(contacts), contacts.impulse, memory, memory.impulse)
+    rough.remember(FrictionalContacts(contacts, rubbing), memory, tangential_impulse)
     contacts.impulse[:], rubbing.impulse[:] = 0.0, 0.0
-    touching.recall(touching.contact_keys(contacts), memory)
-    rough.recall(contacts, rubbing, memory, tangential_impulse)
+    touching.recall(touching.contact_keys(contacts), contacts.impulse, memory, memory.impulse)
+    rough.recall(FrictionalContacts(contacts, rubbing), memory, tangential_impulse)
     assert np.array_equal(rubbing.impulse, found)
     assert sweeps.solve(FrictionalContacts(contacts, rubbing), motion, Tolerance(1e-8, 0.0)) < 0.2 * first
 

@@ -19,8 +19,8 @@ def solved(position, motion, radius, coefficient, *, friction=0.5, reach=1e-6):
     contacts, rubbing = pressed(position, motion, radius, friction, no_walls(), reach)
     contacts.bound[:] = -np.maximum(contacts.gap, 0.0)
     rows = rolling.make_rolling_rows(len(contacts.gap))
-    rolling.prepare(contacts, rows, radius, (coefficient, coefficient), motion)
     system = RollingContacts(FrictionalContacts(contacts, rubbing), rows)
+    rolling.prepare(system, radius, ((friction, friction), (coefficient, coefficient)), motion)
     return contacts, rubbing, rows, sweeps.solve(system, motion, Tolerance(1e-10, 0.0))
 
 

@@ -199,7 +199,7 @@ def test_impulses_are_found_again_by_pair_and_feature():
     memory = Memory(np.zeros(1, np.int64), np.zeros((8, 2), np.int64), np.zeros(8))
     kept = 1.0 + np.arange(levers.total[0])
     levers.impulse[: levers.total[0]] = kept
-    contacts.remember(touching.contact_keys(levers), memory)
+    contacts.remember(touching.contact_keys(levers), levers.impulse, memory, memory.impulse)
     levers.impulse[:] = 0.0
-    contacts.recall(touching.contact_keys(levers), memory)
+    contacts.recall(touching.contact_keys(levers), levers.impulse, memory, memory.impulse)
     assert levers.impulse[: levers.total[0]] == pytest.approx(kept)

@@ -227,19 +227,7 @@ class ContactKeys(NamedTuple):
 
 
 @compiled
-def remember(keys: ContactKeys, memory: Memory) -> None:
-    """Keep the positive normal impulses."""
-    remember_each(keys, keys.impulse, memory, memory.impulse)
-
-
-@compiled
-def recall(keys: ContactKeys, memory: Memory) -> None:
-    """Set the normal impulses to those of the previous step."""
-    recall_each(keys, keys.impulse, memory, memory.impulse)
-
-
-@compiled
-def remember_each(keys: ContactKeys, value: Array, memory: Memory, kept: Array) -> None:
+def remember(keys: ContactKeys, value: Array, memory: Memory, kept: Array) -> None:
     """Keep a value of each contact with a positive impulse, with its keys."""
     found = 0
     for row in range(keys.total[0]):
@@ -251,7 +239,7 @@ def remember_each(keys: ContactKeys, value: Array, memory: Memory, kept: Array) 
 
 
 @compiled
-def recall_each(keys: ContactKeys, value: Array, memory: Memory, kept: Array) -> None:
+def recall(keys: ContactKeys, value: Array, memory: Memory, kept: Array) -> None:
     """Set each contact's value to that of the previous step, or zero. Both lists are sorted, so one pass suffices."""
     place, last = 0, memory.total[0]
     for row in range(keys.total[0]):

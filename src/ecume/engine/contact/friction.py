@@ -16,7 +16,8 @@ import numpy as np
 
 from ecume._jit import compiled
 from ecume.engine.cells import Integers
-from ecume.engine.contact.contacts import Contacts, Memory, contact_keys, recall_each, remember_each
+from ecume.engine.contact import contacts as touching
+from ecume.engine.contact.contacts import Contacts, Memory, contact_keys
 from ecume.engine.contact.impulse_solvers import Islands, islands_among
 from ecume.units import Array
 
@@ -57,17 +58,19 @@ class Motion(NamedTuple):
     """(N + walls,) spin per angular impulse: the inverse moment of inertia, reduced by drag"""
 
 
+Frictions = tuple[tuple[float, float], tuple[float, float]]
+"""The coefficients of friction between two discs and at walls, and those of rolling friction."""
+
+
 def make_friction_rows(capacity: int) -> FrictionRows:
     """Empty arrays for `capacity` contacts."""
     return FrictionRows(np.zeros(capacity), np.zeros((capacity, 2)), *[np.zeros(capacity) for _ in range(5)])
 
 
 @compiled
-def prepare(
-    contacts: Contacts, rows: FrictionRows, radius: Array, frictions: tuple[float, float], motion: Motion
-) -> None:
-    """Set lever arms and effective masses; `frictions` are the coefficients between two discs and at walls."""
-    count, among, at_walls = len(radius), frictions[0], frictions[1]
+def prepare(system: FrictionalContacts, radius: Array, frictions: Frictions, motion: Motion) -> None:
+    """Set coefficients, lever arms and effective masses."""
+    (contacts, rows), count, (among, at_walls) = system, len(radius), frictions[0]
     for row in range(contacts.total[0]):
         i, j, gap = contacts.first[row], contacts.second[row], contacts.gap[row]
         among_floats = j < count
@@ -212,12 +215,25 @@ def islands(system: FrictionalContacts, motion: Motion) -> Islands:
 
 
 @compiled
-def remember(contacts: Contacts, rows: FrictionRows, memory: Memory, tangential_impulse: Array) -> None:
-    """Keep the tangential impulses of the contacts that `contacts.remember` keeps."""
-    remember_each(contact_keys(contacts), rows.impulse, memory, tangential_impulse)
+def scale(system: FrictionalContacts, factor: Array) -> None:
+    """Multiply the tangential impulses by factors."""
+    scale_each(system.tangential.impulse, factor)
 
 
 @compiled
-def recall(contacts: Contacts, rows: FrictionRows, memory: Memory, tangential_impulse: Array) -> None:
+def scale_each(impulse: Array, factor: Array) -> None:
+    """Multiply impulses by factors; a factor of zero gives zero, whatever the impulse was."""
+    for row in range(len(factor)):
+        impulse[row] = factor[row] * impulse[row] if factor[row] != 0.0 else 0.0
+
+
+@compiled
+def remember(system: FrictionalContacts, memory: Memory, kept: Array) -> None:
+    """Keep the tangential impulses of the contacts whose normal impulses are kept."""
+    touching.remember(contact_keys(system.contacts), system.tangential.impulse, memory, kept)
+
+
+@compiled
+def recall(system: FrictionalContacts, memory: Memory, kept: Array) -> None:
     """Set the tangential impulses to those of the previous step."""
-    recall_each(contact_keys(contacts), rows.impulse, memory, tangential_impulse)
+    touching.recall(contact_keys(system.contacts), system.tangential.impulse, memory, kept)

@@ -15,9 +15,10 @@ import numpy as np
 
 from ecume._jit import compiled
 from ecume.engine.cells import Integers
+from ecume.engine.contact import contacts as touching
 from ecume.engine.contact import friction
-from ecume.engine.contact.contacts import Contacts, Memory, contact_keys, recall_each, remember_each
-from ecume.engine.contact.friction import FrictionalContacts, Motion
+from ecume.engine.contact.contacts import Contacts, Memory, contact_keys
+from ecume.engine.contact.friction import FrictionalContacts, Frictions, Motion
 from ecume.engine.contact.impulse_solvers import Islands
 from ecume.units import Array
 
@@ -51,11 +52,10 @@ def make_rolling_rows(capacity: int) -> RollingRows:
 
 
 @compiled
-def prepare(
-    contacts: Contacts, rows: RollingRows, radius: Array, frictions: tuple[float, float], motion: Motion
-) -> None:
-    """Set effective radii and masses; `frictions` are the coefficients between two discs and at walls."""
-    count, among, at_walls = len(radius), frictions[0], frictions[1]
+def prepare(system: RollingContacts, radius: Array, frictions: Frictions, motion: Motion) -> None:
+    """Set coefficients, lever arms, effective radii and masses."""
+    friction.prepare(system.sliding, radius, frictions, motion)
+    contacts, rows, count, (among, at_walls) = system.sliding.contacts, system.rolling, len(radius), frictions[1]
     for row in range(contacts.total[0]):
         i, j = contacts.first[row], contacts.second[row]
         if j < count:
@@ -160,12 +160,23 @@ def islands(system: RollingContacts, motion: Motion) -> Islands:
 
 
 @compiled
-def remember(contacts: Contacts, rows: RollingRows, memory: Memory, impulse: Array) -> None:
-    """Keep the couples of the contacts that `contacts.remember` keeps."""
-    remember_each(contact_keys(contacts), rows.impulse, memory, impulse)
+def scale(system: RollingContacts, factor: Array) -> None:
+    """Multiply the tangential impulses and the couples by factors."""
+    friction.scale(system.sliding, factor)
+    friction.scale_each(system.rolling.impulse, factor)
 
 
 @compiled
-def recall(contacts: Contacts, rows: RollingRows, memory: Memory, impulse: Array) -> None:
-    """Set the couples to those of the previous step."""
-    recall_each(contact_keys(contacts), rows.impulse, memory, impulse)
+def remember(system: RollingContacts, memory: Memory, kept: Array) -> None:
+    """Keep the tangential impulses, and behind them the couples, of the contacts whose normal impulses are kept."""
+    half = len(kept) // 2
+    friction.remember(system.sliding, memory, kept[:half])
+    touching.remember(contact_keys(system.sliding.contacts), system.rolling.impulse, memory, kept[half:])
+
+
+@compiled
+def recall(system: RollingContacts, memory: Memory, kept: Array) -> None:
+    """Set the tangential impulses and the couples to those of the previous step."""
+    half = len(kept) // 2
+    friction.recall(system.sliding, memory, kept[:half])
+    touching.recall(contact_keys(system.sliding.contacts), system.rolling.impulse, memory, kept[half:])

@@ -55,16 +55,25 @@ class RowKind(NamedTuple):
     """islands(rows, motion): those with an impulse or a change"""
     exactly: Callable[..., int] | None = None
     """exactly(rows, motion, some, tolerance): solve by the active-set method; 1 if the result is accepted"""
+    prepare: Callable[..., None] | None = None
+    """prepare(rows, radius, frictions, motion): set coefficients and effective masses of the rows besides normal ones
+    """
+    scale: Callable[..., None] | None = None
+    """scale(rows, factors): multiply the impulses of these rows"""
+    recall: Callable[..., None] | None = None
+    """recall(rows, memory, kept): set them to those of the previous step"""
+    remember: Callable[..., None] | None = None
+    """remember(rows, memory, kept): store them for the next step"""
 
 
 ROWS: dict[type, RowKind] = {
     FrictionalContacts: RowKind(
         friction.start, friction.sweep, friction.residual, friction.accelerate, friction.restart, friction.square,
-        friction.islands,
+        friction.islands, None, friction.prepare, friction.scale, friction.recall, friction.remember,
     ),
     RollingContacts: RowKind(
         rolling.start, rolling.sweep, rolling.residual, rolling.accelerate, rolling.restart, rolling.square,
-        rolling.islands,
+        rolling.islands, None, rolling.prepare, rolling.scale, rolling.recall, rolling.remember,
     ),
     TorqueContacts: RowKind(
         torque_contacts.start, torque_contacts.sweep, torque_contacts.residual, torque_contacts.accelerate,
@@ -85,6 +94,10 @@ restart = selected(ROWS, "restart")
 square = selected(ROWS, "square")
 islands = selected(ROWS, "islands")
 exactly = selected(ROWS, "exactly", -1)
+prepare = selected(ROWS, "prepare")
+scale = selected(ROWS, "scale")
+recall = selected(ROWS, "recall")
+remember = selected(ROWS, "remember")
 
 
 @compiled

@@ -23,21 +23,13 @@ import numpy as np
 from ecume._jit import compiled, compiled_inside, selected
 from ecume.engine.contact import contacts as touching
 from ecume.engine.contact import friction as coulomb
-from ecume.engine.contact import impulse_solvers, sweeps
+from ecume.engine.contact import impulse_solvers, rolling, sweeps
 from ecume.engine.contact.contacts import Bodies, Contacts
-from ecume.engine.contact.friction import FrictionalContacts, FrictionRows, Motion
+from ecume.engine.contact.friction import FrictionalContacts, Motion
 from ecume.engine.contact.impulse_solvers import Tolerance
+from ecume.engine.contact.rolling import RollingContacts
 from ecume.engine.contact.torque_contacts import TorqueContacts
 from ecume.laws import drag, flotation
-from ecume.models.floating.contacts.rolling import (
-    BrownianRollingFriction,
-    RollingFriction,
-    continue_with_rolling,
-    push_with_rolling,
-    recall_rolling,
-    remember_rolling,
-    stop_with_rolling,
-)
 from ecume.models.floating.contacts.thermal_collisions import Flow, collide_on_paths, require_distances
 from ecume.models.floating.options import Built
 from ecume.models.floating.parameters import (
@@ -62,10 +54,12 @@ if TYPE_CHECKING:
 
 
 class Friction(NamedTuple):
-    """Constants of contacts with friction."""
+    """Constants of contacts with friction, and with rolling resistance if a coefficient of it is above zero."""
 
     friction: tuple[float, float]
     """coefficients of friction between two floats, and at walls"""
+    rolling: tuple[float, float]
+    """coefficients of rolling friction between two floats, and at walls"""
     inertia: Array
     """(N,) kg m^2"""
     decay: Array
@@ -73,21 +67,22 @@ class Friction(NamedTuple):
     spin_mobility: Array
     """(N + walls,) spin per angular impulse during one kick"""
     overlapping: bool = False
-    """see `impulse_solvers.Impulses`"""
+    """see `Impulses`"""
 
 
 class BrownianFriction(Friction):
     """The same of Brownian floats."""
 
 
-BROWNIAN: dict[type, type] = {Friction: BrownianFriction, RollingFriction: BrownianRollingFriction}
-"""The types of the parts of Brownian floats, whose collisions take much code."""
+class BarrierFriction(Friction):
+    """The same in a dish with a barrier."""
 
 
 class FrictionScratch(NamedTuple):
     """Workspace of contacts with friction."""
 
-    friction_rows: FrictionRows
+    system: FrictionalContacts | RollingContacts
+    """the rows of all contacts: their type says whether floats roll"""
     spin: Array
     """(N + walls,) rad/s, during this step; walls do not turn"""
     before: Array
@@ -95,21 +90,29 @@ class FrictionScratch(NamedTuple):
 
 
 def make_friction_scratch(
-    part: Friction, parameters: Parameters, state: State, workspace: Workspace
+    part: Friction, parameters: Parameters, state: State, workspace: Workspace, moving: Any
 ) -> FrictionScratch:
     """Return a workspace for as many contacts as the common workspace holds."""
-    count = len(parameters.kick.mobility)
-    return FrictionScratch(coulomb.make_friction_rows(len(workspace.contacts.gap)), np.zeros(count), np.zeros(count))
+    count, capacity = len(parameters.kick.mobility), len(workspace.contacts.gap)
+    system: Any = FrictionalContacts(workspace.contacts, coulomb.make_friction_rows(capacity))
+    if any(part.rolling):
+        system = RollingContacts(system, rolling.make_rolling_rows(capacity))
+    return FrictionScratch(system, np.zeros(count), np.zeros(count))
+
+
+def with_friction_impulses(part: Friction, state: State) -> State:
+    """Return the state with an array of tangential impulses, and as many of rolling friction behind them."""
+    return state._replace(friction_impulse=np.zeros((1 + any(part.rolling)) * len(state.contact_impulse)))
 
 
 @compiled
 def solve_with_friction(
-    part: Friction, friction_rows: FrictionRows, bodies: Bodies, contacts: Contacts, motion: Motion, goal: Tolerance
+    part: Friction, scratch: FrictionScratch, bodies: Bodies, contacts: Contacts, motion: Motion, goal: Tolerance
 ) -> int:
     """Solve contacts with friction for these velocities and spins; return the number of sweeps."""
     touching.set_effective_masses(contacts, bodies.mobility)
-    coulomb.prepare(contacts, friction_rows, bodies.radius, part.friction, motion)
-    return sweeps.solve(FrictionalContacts(contacts, friction_rows), motion, goal)
+    sweeps.prepare(scratch.system, bodies.radius, (part.friction, part.rolling), motion)
+    return sweeps.solve(scratch.system, motion, goal)
 
 
 @compiled
@@ -117,10 +120,9 @@ def stop_with_friction(
     part: Friction, scratch: FrictionScratch, bodies: Bodies, contacts: Contacts, velocity: Array, goal: Tolerance
 ) -> int:
     """Stop all relative motion, starting from zero impulses; return the number of sweeps."""
-    for row in range(contacts.total[0]):
-        scratch.friction_rows.impulse[row] = 0.0
+    sweeps.scale(scratch.system, np.zeros(contacts.total[0]))
     motion = Motion(velocity, scratch.before, bodies.mobility, part.spin_mobility)
-    return solve_with_friction(part, scratch.friction_rows, bodies, contacts, motion, goal)
+    return solve_with_friction(part, scratch, bodies, contacts, motion, goal)
 
 
 @compiled
@@ -128,12 +130,10 @@ def push_with_friction(
     part: Friction, scratch: FrictionScratch, bodies: Bodies, contacts: Contacts, midstep_velocity: Array
 ) -> None:
     """Apply the impulses of collisions to the midstep velocities and the spins."""
-    friction_rows = scratch.friction_rows
     for row in range(contacts.total[0]):
         contacts.impulse[row] *= contacts.scratch[row]
-        friction_rows.impulse[row] *= contacts.scratch[row]
-    motion = Motion(midstep_velocity, scratch.spin, bodies.mobility, part.spin_mobility)
-    coulomb.start(FrictionalContacts(contacts, friction_rows), motion)
+    sweeps.scale(scratch.system, contacts.scratch[: contacts.total[0]])
+    sweeps.start(scratch.system, Motion(midstep_velocity, scratch.spin, bodies.mobility, part.spin_mobility))
 
 
 @compiled
@@ -142,19 +142,19 @@ def continue_with_friction(
 ) -> int:
     """Solve for velocities and spins, starting from the stored impulses; return the number of sweeps."""
     motion = Motion(velocity, scratch.spin, bodies.mobility, part.spin_mobility)
-    return solve_with_friction(part, scratch.friction_rows, bodies, contacts, motion, goal)
+    return solve_with_friction(part, scratch, bodies, contacts, motion, goal)
 
 
 @compiled
-def recall_friction(part: Friction, scratch: FrictionScratch, state: State, workspace: Workspace) -> None:
-    """Start from the tangential impulses of the previous step."""
-    coulomb.recall(workspace.contacts, scratch.friction_rows, memory_of(state), state.friction_impulse)
+def recall_friction(part: Friction, scratch: FrictionScratch, state: State) -> None:
+    """Start from the tangential impulses and couples of the previous step."""
+    sweeps.recall(scratch.system, memory_of(state), state.friction_impulse)
 
 
 @compiled
-def remember_friction(part: Friction, scratch: FrictionScratch, state: State, workspace: Workspace) -> None:
-    """Store the tangential impulses for the next step."""
-    coulomb.remember(workspace.contacts, scratch.friction_rows, memory_of(state), state.friction_impulse)
+def remember_friction(part: Friction, scratch: FrictionScratch, state: State) -> None:
+    """Store the tangential impulses and couples for the next step."""
+    sweeps.remember(scratch.system, memory_of(state), state.friction_impulse)
 
 
 @compiled
@@ -184,26 +184,21 @@ def friction_of(parameters: Parameters, scene: FloatingScene, interactions: tupl
     kinds, number = distinct_kinds(scene)
     inertia = np.array([float_inertia(kind) for kind in kinds])[number]
     friction = turning_frictions(scene)
-    coefficients = scene.contacts.friction, scene.dish.friction if scene.dish is not None else 0.0
-    return Built(Friction(coefficients, inertia, friction, friction))
+    among, dish = scene.contacts, scene.dish
+    sliding = among.friction, dish.friction if dish is not None else 0.0
+    resisting = among.rolling_friction, dish.rolling_friction if dish is not None else 0.0
+    return Built(Friction(sliding, resisting, inertia, friction, friction))
 
 
-def rolling_of(parameters: Parameters, scene: FloatingScene, interactions: tuple[Any, ...]) -> Built:
-    """The part of contacts with friction and rolling resistance."""
-    rolling = scene.contacts.rolling_friction, scene.dish.rolling_friction if scene.dish is not None else 0.0
-    part: Friction = friction_of(parameters, scene, interactions).part
-    return Built(RollingFriction(**part._asdict(), rolling=rolling))
-
-
-def friction_at_step(part: Friction | RollingFriction, parameters: Parameters, turned: Array | None) -> Any:
+def friction_at_step(part: Friction, parameters: Parameters, turned: Array | None, pushed: bool) -> Friction:
     """Return the part with the constants of its spin kicks. If interactions also turn the floats, they include the
     drag.
     """
     friction = part.decay if turned is None else np.zeros_like(part.decay)
     decay, spin_mobility = spin_kick(parameters, part.inertia, friction)
     walls = np.zeros(len(parameters.kick.mobility) - len(spin_mobility))
-    kind = BROWNIAN[type(part)] if parameters.drift.thermal > 0.0 else type(part)
-    return kind(*part._replace(decay=decay, spin_mobility=np.concatenate([spin_mobility, walls])))
+    timed = part._replace(decay=decay, spin_mobility=np.concatenate([spin_mobility, walls]))
+    return variant_of(timed, parameters, pushed)
 
 
 def float_inertia(kind: FloatKind) -> float:
@@ -242,9 +237,38 @@ class BrownianImpulses(Impulses):
     """The same of Brownian floats."""
 
 
-def impulses_at_step(part: Impulses, parameters: Parameters, turned: Array | None) -> Impulses:
-    """Return the part; of another type for Brownian floats, whose collisions take much code."""
-    return BrownianImpulses(*part) if parameters.drift.thermal > 0.0 else part
+class BarrierImpulses(Impulses):
+    """The same in a dish with a barrier."""
+
+
+class Variants(NamedTuple):
+    """The types of a part that need further code."""
+
+    brownian: type
+    """floats with thermal noise, whose collisions are computed on their paths"""
+    pushed: type
+    """floats in a dish with a barrier, whose walls move and count impulses"""
+
+
+VARIANTS = {
+    Impulses: Variants(BrownianImpulses, BarrierImpulses),
+    Friction: Variants(BrownianFriction, BarrierFriction),
+}
+
+
+def variant_of(part: Any, parameters: Parameters, pushed: bool) -> Any:
+    """The part in the type of Brownian floats, or of those that a barrier has `pushed`, so that others compile nothing
+    for them.
+    """
+    variants = VARIANTS[type(part)]
+    kind = variants.brownian if parameters.drift.thermal > 0.0 else variants.pushed if pushed else type(part)
+    return kind(*part)
+
+
+def impulses_at_step(part: Impulses, parameters: Parameters, turned: Array | None, pushed: bool) -> Impulses:
+    """Return the part in the type for this scene."""
+    found: Impulses = variant_of(part, parameters, pushed)
+    return found
 
 
 class Solver(NamedTuple):
@@ -257,15 +281,19 @@ class Solver(NamedTuple):
     solve: Callable[..., int]
     """solve(part, scratch, bodies, contacts, velocity, goal): impulses, from the stored ones; number of sweeps"""
     recall: Callable[..., None] | None = None
-    """recall(part, scratch, state, workspace): tangential impulses of the previous step"""
+    """recall(part, scratch, state): tangential impulses of the previous step"""
     remember: Callable[..., None] | None = None
-    """remember(part, scratch, state, workspace): store the tangential impulses for the next step"""
+    """remember(part, scratch, state): store the tangential impulses for the next step"""
     load_spins: Callable[..., None] | None = None
     """load_spins(part, scratch, parameters, state, last): spins after their kick; `last` at the end of a step"""
     store_spins: Callable[..., None] | None = None
     """store_spins(part, scratch, parameters, state, last): store spins, and advance angles, in the state"""
     collide_by_noise: Callable[..., None] | None = None
     """collide_by_noise(part, parameters, state, workspace): collisions of Brownian floats, and bounds of the solve"""
+    add_pushes: Callable[..., None] | None = None
+    """add_pushes(part, tally, contacts, count): add the impulses of contacts on each wall"""
+    still: Callable[..., float] | None = None
+    """still(part, parameters, velocity): the approach below which floats rest on one another (m/s); None for zero"""
 
 
 @compiled_inside
@@ -348,16 +376,7 @@ def bounce(part: Any, scratch: Any, parameters: Parameters, state: State, worksp
     share_restitution(parameters, contacts, of_float)
     state.tally[COLLISIONS] += count_bounces(contacts, of_float)
     push(part, scratch, contact_bodies(parameters), contacts, workspace.midstep_velocity)
-    note_pushes(state.tally, contacts, len(parameters.floats.radius))
-
-
-@compiled
-def note_pushes(tally: Array, contacts: Contacts, count: int) -> None:
-    """Add the impulses of contacts on each wall, where the state has room for them: in dishes with a barrier."""
-    if len(tally) > PUSHES:
-        for row in range(contacts.total[0]):
-            if contacts.second[row] >= count:
-                tally[PUSHES + contacts.second[row] - count] += contacts.impulse[row]
+    add_pushes(part, state.tally, contacts, len(parameters.floats.radius))
 
 
 @compiled_inside
@@ -432,6 +451,25 @@ def collide_together(part: Any, parameters: Parameters, state: State, workspace:
     require_distances(parameters, state, contacts, workspace.midstep_velocity, share, lasting)
 
 
+@compiled
+def add_pushes_on_walls(part: Any, tally: Array, contacts: Contacts, count: int) -> None:
+    """Add the impulses of contacts on each wall to those of this step."""
+    for row in range(contacts.total[0]):
+        if contacts.second[row] >= count:
+            tally[PUSHES + contacts.second[row] - count] += contacts.impulse[row]
+
+
+@compiled
+def still_before_barrier(part: Any, parameters: Parameters, velocity: Array) -> float:
+    """The tolerance of the solve while a wall moves: a barrier pushes rows of floats against drag, at equal speeds up
+    to that. The velocities of walls are behind those of the floats.
+    """
+    for row in range(len(parameters.floats.radius), len(velocity)):
+        if velocity[row, 0] != 0.0 or velocity[row, 1] != 0.0:
+            return TOLERABLE * parameters.slop / parameters.time_step
+    return 0.0
+
+
 SMOOTH = Solver(solve_smooth, push_smooth, solve_smooth)
 ROUGH = Solver(
     stop_with_friction,
@@ -442,22 +480,13 @@ ROUGH = Solver(
     load_friction_spins,
     store_friction_spins,
 )
-ROLLING = Solver(
-    stop_with_rolling,
-    push_with_rolling,
-    continue_with_rolling,
-    recall_rolling,
-    remember_rolling,
-    load_friction_spins,
-    store_friction_spins,
-)
 SOLVERS: dict[type, Solver] = {
     Impulses: SMOOTH,
     BrownianImpulses: SMOOTH._replace(collide_by_noise=collide_smoothly),
+    BarrierImpulses: SMOOTH._replace(add_pushes=add_pushes_on_walls, still=still_before_barrier),
     Friction: ROUGH,
     BrownianFriction: ROUGH._replace(collide_by_noise=collide_together),
-    RollingFriction: ROLLING,
-    BrownianRollingFriction: ROLLING._replace(collide_by_noise=collide_together),
+    BarrierFriction: ROUGH._replace(add_pushes=add_pushes_on_walls, still=still_before_barrier),
 }
 """The solvers by type of the part."""
 
@@ -469,6 +498,8 @@ remember = selected(SOLVERS, "remember")
 load_spins = selected(SOLVERS, "load_spins")
 store_spins = selected(SOLVERS, "store_spins")
 collide_by_noise = selected(SOLVERS, "collide_by_noise")
+add_pushes = selected(SOLVERS, "add_pushes")
+still = selected(SOLVERS, "still", 0)
 
 
 @compiled
@@ -486,8 +517,8 @@ def solve_contacts(
 ) -> None:
     """Solve for impulses on `velocity`, starting from those of the previous solve, and store them."""
     contacts, memory = workspace.contacts, memory_of(state)
-    recall(part, scratch, state, workspace)
-    touching.recall(touching.contact_keys(contacts), memory)
+    recall(part, scratch, state)
+    touching.recall(touching.contact_keys(contacts), contacts.impulse, memory, memory.impulse)
     touching.normal_velocities(contacts, velocity, contacts.scratch)
     goal = goal_of(parameters, contacts)
     most = 0
@@ -495,11 +526,11 @@ def solve_contacts(
         most = solve(part, scratch, contact_bodies(parameters), contacts, velocity, goal)
     else:
         clear_impulses(contacts)
-    note_pushes(state.tally, contacts, len(parameters.floats.radius))
+    add_pushes(part, state.tally, contacts, len(parameters.floats.radius))
     state.tally[SWEEPS] += most
     state.tally[UNCONVERGED] += 1.0 if most > impulse_solvers.MOST_SWEEPS else 0.0
-    touching.remember(touching.contact_keys(contacts), memory)
-    remember(part, scratch, state, workspace)
+    touching.remember(touching.contact_keys(contacts), contacts.impulse, memory, memory.impulse)
+    remember(part, scratch, state)
 
 
 @compiled
@@ -579,15 +610,6 @@ def require_rest(parameters: Parameters, contacts: Contacts | TorqueContacts, st
 
 
 @compiled
-def speed_of_walls(velocity: Array, count: int) -> float:
-    """The highest speed of a wall (m/s), from the rows behind those of the floats."""
-    fastest = 0.0
-    for row in range(count, len(velocity)):
-        fastest = max(fastest, math.sqrt(velocity[row, 0] ** 2 + velocity[row, 1] ** 2))
-    return fastest
-
-
-@compiled
 def constrain_velocities(part: Any, scratch: Any, parameters: Parameters, state: State, workspace: Workspace) -> None:
     """Solve contacts for the velocity at the end of the step, so that compressed floats are at rest."""
     if part.overlapping:
@@ -598,9 +620,7 @@ def constrain_velocities(part: Any, scratch: Any, parameters: Parameters, state:
     copy_rows(midstep_velocity, state.velocity)
     touching.normal_velocities(contacts, before, contacts.change)
     touching.normal_velocities(contacts, midstep_velocity, contacts.scratch)
-    # A barrier pushes rows of floats against drag, at equal speeds up to the tolerance of the solve.
-    moving = speed_of_walls(before, len(state.velocity)) > 0.0
-    require_rest(parameters, contacts, TOLERABLE * parameters.slop / parameters.time_step if moving else 0.0)
+    require_rest(parameters, contacts, float(still(part, parameters, before)))
     solve_contacts(part, scratch, parameters, state, workspace, midstep_velocity)
     copy_rows(state.velocity, midstep_velocity)
     store_spins(part, scratch, parameters, state, True)

@@ -20,8 +20,7 @@ from ecume._jit import admit, selected
 from ecume._tables import by_constants
 from ecume.laws import friction
 from ecume.models.floating.contacts.collisions import (
-    BROWNIAN,
-    BrownianImpulses,
+    VARIANTS,
     Friction,
     Impulses,
     collide,
@@ -30,10 +29,9 @@ from ecume.models.floating.contacts.collisions import (
     friction_of,
     impulses_at_step,
     make_friction_scratch,
-    rolling_of,
     separate,
+    with_friction_impulses,
 )
-from ecume.models.floating.contacts.rolling import RollingFriction, make_rolling_scratch
 from ecume.models.floating.coupled.many_floats import GridImpulses, collide_on_grid
 from ecume.models.floating.coupled.mobility import (
     CoupledImpulses,
@@ -43,7 +41,7 @@ from ecume.models.floating.coupled.mobility import (
 )
 from ecume.models.floating.options import Built, Option
 from ecume.models.floating.parameters import Parameters, State, Workspace
-from ecume.models.floating.setup.overlaps import gaps_of_outlines
+from ecume.models.floating.setup.overlaps import Gaps, gaps_of_outlines, separated_outlines
 from ecume.models.floating.shaped.bodies import (
     Outlined,
     Shaped,
@@ -78,36 +76,19 @@ def no_scratch(part: Any, parameters: Parameters, state: State, workspace: Works
     return ()
 
 
-def friction_scratch(part: Friction, parameters: Parameters, state: State, workspace: Workspace, moving: Any) -> Any:
-    """Return the workspace for tangential impulses and spins."""
-    return make_friction_scratch(part, parameters, state, workspace)
-
-
 def shared_scratch(part: Any, parameters: Parameters, state: State, workspace: Workspace, moving: Any) -> Any:
     """Return the workspace of the integrator."""
     return moving
 
 
-def rolling_scratch(
-    part: RollingFriction, parameters: Parameters, state: State, workspace: Workspace, moving: Any
-) -> Any:
-    """Return the workspace for tangential impulses, couples and spins."""
-    return make_rolling_scratch(part, parameters, state, workspace)
-
-
-def unchanged_state(state: State) -> State:
+def unchanged_state(part: Any, state: State) -> State:
     """Return the state unchanged."""
     return state
 
 
-def with_friction_impulses(state: State) -> State:
+def with_coupled_friction(part: CoupledImpulses, state: State) -> State:
     """Return the state with an array of tangential impulses."""
     return state._replace(friction_impulse=np.zeros(len(state.contact_impulse)))
-
-
-def with_rolling_impulses(state: State) -> State:
-    """Return the state with an array of tangential impulses and of those of rolling friction."""
-    return state._replace(friction_impulse=np.zeros(2 * len(state.contact_impulse)))
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -119,9 +100,9 @@ class ContactModel(Option):
     """the type of the part, a NamedTuple"""
     make: Callable[[Parameters, FloatingScene, tuple[Any, ...]], Built]
     """make(parameters without parts, scene, interactions). Raises SceneError"""
-    at_step: Callable[[Any, Parameters, Array | None], Any] = lambda part, parameters, turned: part
-    """at_step(part, parameters, turned): the part for the chosen time step; `turned` is the inertia of floats that
-    interactions turn, or None
+    at_step: Callable[[Any, Parameters, Array | None, bool], Any] = lambda part, parameters, turned, pushed: part
+    """at_step(part, parameters, turned, pushed): the part for the chosen time step; `turned` is the inertia of floats
+    that interactions turn, or None; `pushed` says whether walls move
     """
     before_drift: Callable[..., None] | None = None
     """before_drift(part, scratch, parameters, state, workspace): change `workspace.midstep_velocity`"""
@@ -135,23 +116,22 @@ class ContactModel(Option):
     """
     scratch: Callable[..., Any] = no_scratch
     """scratch(part, parameters, state, workspace, workspace of the integrator): the workspace"""
-    state: Callable[[State], State] = unchanged_state
+    state: Callable[[Any, State], State] = unchanged_state
+    """state(part, state): the state with the data of the part"""
     inertia: Callable[[Any], Array | None] = lambda part: None
     """inertia(part): of floats that contacts turn (kg m^2), (N,)"""
     energy: Callable[..., tuple[float, float]] = no_energy
     """energy(part, scratch, parameters, state, workspace): among floats and at walls (J)"""
-    gaps: Callable[..., list[tuple[int, int, float]]] | None = None
-    """gaps(part, parameters, positions, angles, reach): for floats that are no discs"""
+    gaps: Callable[..., Gaps] | None = None
+    """gaps(part, parameters, (positions, angles), reach): for floats that are no discs"""
+    separated: Callable[..., tuple[Array, Array]] | None = None
+    """separated(part, parameters, (positions, angles), gaps): positions and angles without the overlaps in `gaps`; None
+    for discs, whose overlaps `setup.overlaps.separated` removes
+    """
     stores_overlaps: bool = False
     """whether overlaps store energy, so that those of the start stay"""
     laws: tuple[Callable[..., Any], ...] = (friction.impulse,)
     """functions whose docstrings name the references that `ecume cite` lists"""
-
-
-def _outline_gaps(
-    part: Any, parameters: Parameters, position: Array, angle: Array, reach: float
-) -> list[tuple[int, int, float]]:
-    return gaps_of_outlines(part, parameters, (position, angle), reach)
 
 
 def _outlined(parameters: Parameters, scene: FloatingScene, interactions: tuple[Any, ...]) -> Built:
@@ -184,7 +164,7 @@ CONTACTS = {
     ),
     "friction": ContactModel(
         path="contacts.friction", name="friction", constants=Friction, make=friction_of, at_step=friction_at_step,
-        before_drift=collide, after_drift=separate, at_end=constrain_velocities, scratch=friction_scratch,
+        before_drift=collide, after_drift=separate, at_end=constrain_velocities, scratch=make_friction_scratch,
         state=with_friction_impulses,
         inertia=lambda part: np.asarray(part.inertia), gives=frozenset({"apart", "lubricated", "full mobility"}),
         needs={
@@ -206,19 +186,19 @@ CONTACTS = {
     "outlines": ContactModel(
         path="particles", name="a float with a shape", constants=Outlined, make=_outlined,
         before_drift=collide_outlines, after_drift=separate_outlines, at_end=constrain_outline_velocities,
-        find=find_outline_contacts, scratch=shared_scratch, gaps=_outline_gaps,
+        find=find_outline_contacts, scratch=shared_scratch, gaps=gaps_of_outlines,
+        separated=separated_outlines,
     ),
     "coupled": ContactModel(
         path="contacts.law", name="contacts of floats that interact through the liquid", constants=CoupledImpulses,
         make=smooth_impulses_of, before_drift=collide_coupled, after_drift=separate,
-        scratch=shared_scratch, state=with_friction_impulses,
+        scratch=shared_scratch, state=with_coupled_friction,
         inertia=lambda part: np.asarray(part.inertia) if len(part.inertia) else None,
     ),
 }  # fmt: skip
 """The contact models by name."""
 CONTACTS["rolling friction"] = replace(
-    CONTACTS["friction"], path="contacts.rolling_friction", name="rolling friction", constants=RollingFriction,
-    make=rolling_of, scratch=rolling_scratch, state=with_rolling_impulses,
+    CONTACTS["friction"], path="contacts.rolling_friction", name="rolling friction",
     needs={
         **CONTACTS["friction"].needs, "single drag": "the couple of a contact turns neighbors through the liquid, too",
     },
@@ -234,8 +214,7 @@ OF_THE_CHOICE = frozenset({"name", "path", "make", "gives", "needs", "laws"})
 """Fields that are read from the row that a scene chooses: rows with constants of one type may differ in them."""
 BY_CONSTANTS = by_constants(CONTACTS.values(), OF_THE_CHOICE)
 BY_CONSTANTS |= {
-    kind: replace(BY_CONSTANTS[still], constants=kind)
-    for still, kind in (BROWNIAN | {Impulses: BrownianImpulses}).items()
+    kind: replace(BY_CONSTANTS[plain], constants=kind) for plain, kinds in VARIANTS.items() for kind in kinds
 }
 
 
@@ -244,10 +223,10 @@ def contacts_of(parameters: Parameters) -> ContactModel:
     return BY_CONSTANTS[type(parameters.parts.contacts)]
 
 
-def gaps_between(parameters: Parameters, position: Array, angle: Array, reach: float) -> list[tuple[int, int, float]]:
+def gaps_between(parameters: Parameters, position: Array, angle: Array, reach: float) -> Gaps:
     """Triples (i, j, gap) of floats with outlines closer than `reach`; N + k denotes wall number k."""
     gaps = contacts_of(parameters).gaps
-    return [] if gaps is None else gaps(parameters.parts.contacts, parameters, position, angle, reach)
+    return [] if gaps is None else gaps(parameters.parts.contacts, parameters, (position, angle), reach)
 
 
 contacts_before_drift = selected(BY_CONSTANTS, "before_drift")

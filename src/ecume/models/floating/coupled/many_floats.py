@@ -502,7 +502,7 @@ def collide_on_grid(
         push_on_grid(scratch, parameters, state, workspace, tolerance)
     else:
         clear_impulses(contacts)
-    touching.remember(touching.contact_keys(contacts), memory)
+    touching.remember(touching.contact_keys(contacts), contacts.impulse, memory, memory.impulse)
     store_velocities(scratch.motion, state, workspace)
 
 

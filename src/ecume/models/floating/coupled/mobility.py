@@ -389,13 +389,13 @@ def collide_coupled(
         state.tally[SWEEPS] += sweeps
         state.tally[UNCONVERGED] += 1.0 if sweeps > impulse_solvers.MOST_SWEEPS else 0.0
         keep_impulses(rows, contacts, parameters, scratch)
-        touching.remember(touching.contact_keys(contacts), memory)
+        touching.remember(touching.contact_keys(contacts), contacts.impulse, memory, memory.impulse)
         if turning:
             tangential_impulse = parameters.time_step * rows.impulse[contacts.total[0] :]
-            touching.remember_each(touching.contact_keys(contacts), tangential_impulse, memory, state.friction_impulse)
+            touching.remember(touching.contact_keys(contacts), tangential_impulse, memory, state.friction_impulse)
     else:
         clear_impulses(contacts)
-        touching.remember(touching.contact_keys(contacts), memory)
+        touching.remember(touching.contact_keys(contacts), contacts.impulse, memory, memory.impulse)
     store_velocities(scratch, state, workspace)
     for i in range(len(state.turning) if turning else 0):
         state.turning[i, 1] = scratch.motion[2 * len(state.turning) + i]
@@ -457,7 +457,8 @@ def gather_contacts(parameters: Parameters, state: State, workspace: Workspace) 
 def begin_contacts(parameters: Parameters, state: State, workspace: Workspace) -> Tolerance:
     """Start from the impulses of the last step; return the tolerance of their solution."""
     contacts = workspace.contacts
-    touching.recall(touching.contact_keys(contacts), memory_of(state))
+    memory = memory_of(state)
+    touching.recall(touching.contact_keys(contacts), contacts.impulse, memory, memory.impulse)
     touching.normal_velocities(contacts, workspace.midstep_velocity, contacts.scratch)
     return goal_of(parameters, contacts)
 
@@ -501,7 +502,7 @@ def recall_friction(
 ) -> None:
     """Start from the tangential impulses of the previous step, as mean forces."""
     total = contacts.total[0]
-    touching.recall_each(touching.contact_keys(contacts), rows.impulse[total:], memory, tangential_impulse)
+    touching.recall(touching.contact_keys(contacts), rows.impulse[total:], memory, tangential_impulse)
     for row in range(total):
         rows.impulse[total + row] /= time
 

@@ -25,7 +25,7 @@ from ecume.engine.walls import Walls
 from ecume.laws import rafts
 from ecume.models.floating.dishes import acts, wall_energy, wall_force, wall_law_of
 from ecume.models.floating.options import Built, scene_error
-from ecume.models.floating.parameters import PUSHES, UNCONVERGED, WORK, Parameters, Scratch, State, Workspace, part_of
+from ecume.models.floating.parameters import PUSHES, UNCONVERGED, WORK, Parameters, State, Workspace, part_of
 from ecume.models.liquids import liquid_of
 from ecume.units import Array, duration_text, with_prefix
 
@@ -269,12 +269,9 @@ def make_barrier_scratch(part: Barrier, parameters: Parameters, state: State, wo
     )
 
 
-def with_mobile_walls(parameters: Parameters, scratches: Scratch) -> Parameters:
-    """The parameters with walls that move in the course of steps, where the scene has a barrier."""
-    for part, own in zip(parameters.parts.interactions, scratches.interactions, strict=True):
-        if isinstance(part, Barrier):
-            return parameters._replace(walls=parameters.walls._replace(offset=own.offset))
-    return parameters
+def moved_walls(scratch: BarrierScratch, walls: Walls) -> Walls:
+    """The walls where steps have moved them; steps to come move these."""
+    return walls._replace(offset=scratch.offset)
 
 
 def with_walls_of(parameters: Parameters, state: State) -> Parameters:

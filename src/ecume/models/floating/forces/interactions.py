@@ -14,6 +14,7 @@ import numpy as np
 from ecume._jit import composed, each_selected
 from ecume._tables import by_constants
 from ecume.engine.neighbors import NeighborLists, sort_positions
+from ecume.engine.walls import Walls
 from ecume.laws import camphor, contact_lines, ewald, multipole, pair_laws, radiated_waves, rafts
 from ecume.models.floating.coupled.mobility import CoupledFilms, apply_coupled_films, coupled_films_of
 from ecume.models.floating.forces.activity import (
@@ -34,6 +35,7 @@ from ecume.models.floating.forces.barrier import (
     carry_barrier,
     make_barrier_scratch,
     move_barrier,
+    moved_walls,
     no_barrier_energy,
     with_barrier,
 )
@@ -148,6 +150,8 @@ class Interaction(Option):
     """kick_spins(part, scratch, parameters, state, first): half a kick of the spins, before and after a step"""
     add_work: Callable[..., None] | None = None
     """add_work(part, scratch, parameters, state, workspace): the work in a step of forces that have no energy"""
+    moved_walls: Callable[[Any, Walls], Walls] | None = None
+    """moved_walls(scratch, walls): the walls where steps have moved them; None if they rest"""
     state: Callable[[Any, State], State] = lambda part, state: state
     """state(part, state): the state with the data of the part"""
     inertia: Callable[[Any], Array | None] = lambda part: None
@@ -297,7 +301,7 @@ INTERACTIONS = {
     "barrier": Interaction(
         path="dish.barrier", name="a barrier", constants=Barrier, make=barrier_of, add_forces=None,
         energy=no_barrier_energy, scratch=make_barrier_scratch, kick_spins=move_barrier, add_work=carry_barrier,
-        state=with_barrier, numbers=barrier_numbers, lines=barrier_lines,
+        moved_walls=moved_walls, state=with_barrier, numbers=barrier_numbers, lines=barrier_lines,
         gives=ROUND | {"pair sum", "grid", "superposed", "undulations", "no torques"},
         laws=(rafts.buckling_pressure, rafts.pressure_left),
         needs={

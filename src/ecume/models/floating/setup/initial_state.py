@@ -29,15 +29,14 @@ from ecume.models.floating.forces.interactions import interactions_of
 from ecume.models.floating.forces.pair_forces import row_of
 from ecume.models.floating.options import Built, Option, scene_error
 from ecume.models.floating.parameters import CAPILLARY_LENGTH, WORK, Parameters, State, is_driven, make_state
-from ecume.models.floating.setup.overlaps import KEPT, SLIGHT, separated, separated_outlines
+from ecume.models.floating.setup.overlaps import KEPT, SLIGHT, separated
 from ecume.models.floating.setup.places import given_places, region_of
-from ecume.models.floating.shaped.bodies import Outlined
 from ecume.models.floating.time_integration.integration import WIDEST, inertia_of
 from ecume.models.layouts import Layout
 from ecume.units import Array, with_prefix
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
+    from collections.abc import Callable, Iterable
 
     from ecume.scenes.floating import FloatingScene, FloatRow
 
@@ -152,7 +151,7 @@ def start(scene: FloatingScene, parameters: Parameters) -> State:
             places.position[~free], parameters.floats.radius[~free], parameters.periods, parameters.walls,
             parameters.slop,
         )  # fmt: skip
-    if isinstance(parameters.parts.contacts, Outlined):
+    if contacts_of(parameters).gaps is not None:
         _check_shapes(scene, parameters, places.position, np.flatnonzero(~free))
     else:
         _check(scene, parameters, places.position, np.flatnonzero(~free).astype(np.int64))
@@ -164,18 +163,19 @@ def start(scene: FloatingScene, parameters: Parameters) -> State:
         except BadInput as error:
             raise SceneError([Fault("particles", str(error))]) from None
     state = with_angles(with_parts(make_state(places.position, places.velocity), parameters), scene, parameters)
-    if isinstance(parameters.parts.contacts, Outlined) and not np.all(free):
-        _move_apart(parameters.parts.contacts, parameters, state)
+    opened = contacts_of(parameters).separated
+    if opened is not None and not np.all(free):
+        _move_apart(opened, parameters, state)
     return state
 
 
-def _move_apart(part: Outlined, parameters: Parameters, state: State) -> None:
+def _move_apart(opened: Callable[..., tuple[Array, Array]], parameters: Parameters, state: State) -> None:
     """Move and rotate shapes that overlap by more than contacts leave; others stay to the bit."""
-    at = state.position, state.turning[:, 0]
+    part, at = parameters.parts.contacts, (state.position, state.turning[:, 0])
     near = gaps_between(parameters, *at, 2.0 * TOUCHING * float(parameters.floats.radius.max()))
     pairs = [row for row in near if not parameters.passing or row[1] >= len(state.position)]
     if any(gap < -KEPT * parameters.slop for _, _, gap in pairs):
-        state.position[:], state.turning[:, 0] = separated_outlines(part, parameters, at, pairs)
+        state.position[:], state.turning[:, 0] = opened(part, parameters, at, pairs)
 
 
 def _are_hard(parameters: Parameters) -> bool:
@@ -200,7 +200,7 @@ def with_parts(state: State, parameters: Parameters) -> State:
     """Return the state with the arrays of all parts."""
     for part, row in interactions_of(parameters):
         state = row.state(part, state)
-    return contacts_of(parameters).state(state)
+    return contacts_of(parameters).state(parameters.parts.contacts, state)
 
 
 def with_angles(state: State, scene: FloatingScene, parameters: Parameters) -> State:

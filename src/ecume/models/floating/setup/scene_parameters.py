@@ -117,7 +117,9 @@ def _parameters_with(scene: FloatingScene, chosen: Chosen, longer: float) -> Par
     _require_stable_drag(chosen.integrator, timed)
     turned = next((found for row, each in zip(chosen.interactions, built, strict=False)
                    if (found := inertia_by(each.part)) is not None), None)  # fmt: skip
-    contacts = chosen.contacts.at_step(touching.part, timed, turned)
+    contacts = chosen.contacts.at_step(
+        touching.part, timed, turned, any(row.moved_walls is not None for row in chosen.interactions)
+    )
     spinning = turned is not None or chosen.contacts.inertia(contacts) is not None
     integrator = chosen.hydrodynamics.make(timed, scene, spinning) or kicks_of(chosen.integrator, timed)
     if scene.shaped:

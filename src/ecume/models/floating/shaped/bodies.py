@@ -485,7 +485,7 @@ def bounce(scratch: ShapedScratch, parameters: Parameters, state: State, workspa
 def solve_contacts(parameters: Parameters, state: State, levers: TorqueContacts, velocity: Array) -> None:
     """Solve for impulses on `velocity`, starting from those of the previous solve, and store them."""
     memory = Memory(state.touches, state.touching, state.contact_impulse)
-    contacts.recall(touching.contact_keys(levers), memory)
+    contacts.recall(touching.contact_keys(levers), levers.impulse, memory, memory.impulse)
     touching.normal_velocities(levers, velocity, levers.scratch)
     goal = goal_of(parameters, levers)
     if goal.target > 0.0:
@@ -494,7 +494,7 @@ def solve_contacts(parameters: Parameters, state: State, levers: TorqueContacts,
         state.tally[UNCONVERGED] += 1.0 if sweeps > impulse_solvers.MOST_SWEEPS else 0.0
     else:
         clear_impulses(levers)
-    contacts.remember(touching.contact_keys(levers), memory)
+    contacts.remember(touching.contact_keys(levers), levers.impulse, memory, memory.impulse)
 
 
 @compiled

@@ -27,7 +27,6 @@ from ecume.models.floating.contacts.contact_models import (
     contacts_of,
     find_contacts,
 )
-from ecume.models.floating.forces.barrier import with_mobile_walls
 from ecume.models.floating.forces.flow_and_noise import set_clock, varies
 from ecume.models.floating.forces.interactions import (
     BY_CONSTANTS,
@@ -173,11 +172,20 @@ def integrate(
     return DONE
 
 
+def bare_parameters(parameters: Parameters, scratches: Scratch) -> Parameters:
+    """The parameters that compiled code gets: without parts, and with walls where steps have moved them."""
+    walls = parameters.walls
+    for part, own in zip(parameters.parts.interactions, scratches.interactions, strict=True):
+        moved = BY_CONSTANTS[type(part)].moved_walls
+        walls = walls if moved is None else moved(own, walls)
+    return parameters._replace(walls=walls, parts=())
+
+
 def advance(parameters: Parameters, state: State, workspace: Workspace, steps: int) -> int:
     """See `ecume.models.model.Model.advance`. Compiled code runs all steps if it can call every part; otherwise
     Python runs the same text, step by step, around compiled parts.
     """
-    parts, bare = parameters.parts, with_mobile_walls(parameters, workspace.scratch)._replace(parts=())
+    parts, bare = parameters.parts, bare_parameters(parameters, workspace.scratch)
     interactions = map(BY_CONSTANTS.__getitem__, map(type, parts.interactions))
     whole = all(map(attrgetter("compiled"), (INTEGRATORS_BY_CONSTANTS[type(parts.integrator)], *interactions)))
     run = integrate if whole else plainly(integrate)
@@ -208,7 +216,7 @@ def renew_lists(parts: Parts, scratches: Scratch, parameters: Parameters, state:
 
 def forces_at(parameters: Parameters, position: Array, workspace: Workspace) -> Array:
     """The forces on all floats (N, 2) at these positions, where the lists must be valid; kept in the workspace."""
-    bare = with_mobile_walls(parameters, workspace.scratch)._replace(parts=())
+    bare = bare_parameters(parameters, workspace.scratch)
     evaluate(parameters.parts, workspace.scratch, bare, position, workspace.lists, workspace.force)
     return workspace.force
 
