@@ -8,6 +8,7 @@ from scipy.spatial import ConvexHull
 
 from ecume.engine.walls import clearance
 from ecume.laws import brownian_motion
+from ecume.models import MODELS
 from ecume.models.tracers.noise_at_walls import acceptance, in_corner
 from ecume.models.tracers.record import checked_parameters
 from ecume.models.tracers.tank import surfaces_of
@@ -133,3 +134,22 @@ def test_flights_without_collisions_and_along_walls_are_accepted_and_those_up_a_
     # Mirrored by a floor: the velocities at the ends cancel along its normal.
     assert acceptance(drift, (0.3, 0.5, 0.0), (0.3, 0.0, 0.0), variance) == pytest.approx(math.exp(-0.2))
     assert acceptance(drift, (0.3, -0.5, 0.0), (0.3, 0.0, 0.0), variance) == 1.0
+
+
+@pytest.mark.parametrize(
+    ("tank", "step", "remarked"), [("box", 4.0, False), ("wedge", 4.0, True), ("wedge", 0.5, False)]
+)
+def test_check_remarks_a_step_whose_noise_exceeds_the_layer_in_corners(tank, step, remarked):
+    weight, length = 4.0 / 3.0 * math.pi * RADIUS**3 * EXCESS, 0.1 * SIZE
+    plain = {
+        "model": "tracers", "duration": 10.0, "frame_every": 10.0, "gravity": THERMAL / (length * weight),
+        "tank": {"high": [SIZE, SIZE]} if tank == "box" else {"vertices": wedge(75)},
+        "liquid": {"density": 1000.0, "viscosity": 1e-3, "temperature": 293.15},
+        "integration": {"integrator": "overdamped", "time_step": 10.0 / math.ceil(10.0 / (step * length**2 / SPREAD))},
+        "hydrodynamics": {"brownian": True, "drag": "stokes"},
+        "particles": [{"radius": RADIUS, "density": 1000.0 + EXCESS, "count": 1}],
+    }  # fmt: skip
+    (remark,) = [
+        row[2] for row in MODELS["tracers"].summary(from_plain(plain)) if row[0].endswith("sedimentation length")
+    ]
+    assert ("in corners" in remark) == remarked

@@ -102,10 +102,20 @@ def summary_of(scene: TracersScene, parameters: Parameters, index: int) -> list[
         rows.append((f"{name}: diffusion coefficient", with_prefix(spread, "m^2/s"), "along each axis <x^2> = 2 D t"))
         if weight > 0.0:
             layer = brownian_motion.sedimentation_length(fluid.thermal, weight)
-            rows.append(
-                (f"{name}: sedimentation length", with_prefix(layer, "m"), "height of the layer in equilibrium")
-            )
+            noise = math.sqrt(2.0 * spread * parameters.time_step)
+            remark = f"height of the layer in equilibrium{corners_remark(scene, noise / layer)}"
+            rows.append((f"{name}: sedimentation length", with_prefix(layer, "m"), remark))
     return rows
+
+
+def corners_remark(scene: TracersScene, ratio: float) -> str:
+    """The remark on a layer that is thinner than the noise of a step by this ratio; empty if the step resolves it, and
+    where all walls are at right angles.
+    """
+    right = scene.tank is None or (scene.tank.high is not None and not scene.obstacles)
+    if ratio <= 1.0 or right:
+        return ""
+    return f"; the noise of a step is {ratio:.2g} times it: wrong by half in corners, set a shorter time_step"
 
 
 def settled(scene: TracersScene, name: str, speed: float) -> list[tuple[str, str, str]]:
