@@ -18,7 +18,7 @@ from ecume.errors import BadInput, install
 from ecume.models.gridded_flows import Grid
 from ecume.scenes.fields import FieldSpec
 from ecume.trajectories.reader import open_trajectory
-from ecume.units import Array
+from ecume.units import Array, factor
 
 EVEN = 1e-5
 """The largest deviation of nodes from equal steps, over a step; files hold them in single precision."""
@@ -57,7 +57,7 @@ def grid_of(spec: FieldSpec, dimensions: int) -> Grid:
     if path.suffix.lower() not in readers:
         raise BadInput(f"got {path.name!r}; expected {', '.join(readers)}, or the directory of a run", "file")
     try:
-        places, velocity, times = readers[path.suffix.lower()](path, names, spec.time_unit)
+        places, velocity, times = readers[path.suffix.lower()](path, names, spec)
     except BadInput:
         raise
     except Exception as error:  # libraries raise any exception for a damaged file
@@ -117,7 +117,7 @@ def _grid(name: str, places: list[Array], velocity: Array, times: Array) -> Grid
     return Grid(tuple(low), tuple(step), times.astype(float), np.ascontiguousarray(velocity, dtype=float))
 
 
-def _of_numpy(path: Path, names: Names, unit: float) -> tuple[list[Array], Array, Array]:
+def _of_numpy(path: Path, names: Names, spec: FieldSpec) -> tuple[list[Array], Array, Array]:
     if not zipfile.is_zipfile(path):
         raise BadInput(f"{path.name} is no NumPy archive; expected one that numpy.savez wrote", "file")
     with np.load(path, allow_pickle=False) as file:
@@ -146,7 +146,7 @@ def _require_line(path: Path, name: str, dimensions: int) -> None:
         )
 
 
-def _of_netcdf(path: Path, names: Names, unit: float) -> tuple[list[Array], Array, Array]:
+def _of_netcdf(path: Path, names: Names, spec: FieldSpec) -> tuple[list[Array], Array, Array]:
     try:
         import xarray
     except ImportError as error:
@@ -168,16 +168,38 @@ def _of_netcdf(path: Path, names: Names, unit: float) -> tuple[list[Array], Arra
             array = array.squeeze(spare)
             if not steady and order[0] not in array.dims:
                 array = array.expand_dims({order[0]: 1})
-            parts.append(_real(array.transpose(*order).to_numpy()))
-        places = [_real(file[name].to_numpy()) for name in names.coordinates]
+            unit = _stated_unit(path, file[name], ("velocity_unit", "m/s"), spec)
+            parts.append(unit * _real(array.transpose(*order).to_numpy()))
+        units = [_stated_unit(path, file[name], ("length_unit", "m"), spec) for name in names.coordinates]
+        places = [unit * _real(file[name].to_numpy()) for unit, name in zip(units, names.coordinates, strict=True)]
         times = np.zeros(1) if steady else np.atleast_1d(file[names.time].to_numpy())
+        clock = 1.0 if steady else _stated_unit(path, file[names.time], ("time_unit", "s"), spec)
     if np.issubdtype(times.dtype, np.datetime64):
-        times = (times - times[0]) / np.timedelta64(1, "s") / unit
+        times = (times - times[0]) / np.timedelta64(1, "s") / spec.time_unit
     velocity = np.stack(parts, axis=-1)
-    return places, velocity if velocity.ndim == len(places) + 2 else velocity[None], np.asarray(times, float)
+    return places, velocity if velocity.ndim == len(places) + 2 else velocity[None], clock * np.asarray(times, float)
 
 
-def _of_vtk(path: Path, names: Names, unit: float) -> tuple[list[Array], Array, Array]:
+def _stated_unit(path: Path, array: Any, sought: tuple[str, str], spec: FieldSpec) -> float:
+    """The unit in SI that an array of a NetCDF file states, or 1 where the key of the scene gives another one than SI,
+    and where the file states none that is readable; sought = (key, SI unit). Raises BadInput for degrees.
+    """
+    (key, symbol), stated = sought, str(array.attrs.get("units", "")).strip()
+    if getattr(spec, key) != 1.0 or not stated:
+        return 1.0
+    if symbol == "m" and stated.startswith("degree"):
+        raise BadInput(
+            f"{path.name}: {_printable(str(array.name))!r} is in {_printable(stated)}; expected lengths on a plane: "
+            "write a file with coordinates in meters, 111.2 km for each degree of latitude",
+            "file",
+        )
+    try:
+        return factor(stated.replace(".", " "), symbol)
+    except ValueError:
+        return 1.0
+
+
+def _of_vtk(path: Path, names: Names, spec: FieldSpec) -> tuple[list[Array], Array, Array]:
     try:
         from vtkmodules.util import numpy_support
         from vtkmodules.vtkIOLegacy import vtkDataSetReader

@@ -22,11 +22,14 @@ class FieldSpec:
     """The file, beside the scene's: NumPy (`.npz`), NetCDF (`.nc`), VTK (`.vti`, `.vtr`, `.vtk`), or the directory of a
     run of a tank. Example: `"gyre.npz"`. Effect: particles follow its velocities; NaN is land."""
     length_unit: Size = 1.0
-    """The unit of the coordinates of the file (m). Effect: scales the grid."""
+    """The unit of the coordinates of the file (m); by default meters, or what a NetCDF file states. Effect: scales the
+    grid."""
     velocity_unit: Annotated[Speed, Field(gt=0.0, le=1e3)] = 1.0
-    """The unit of the velocities of the file (m/s). Effect: scales the velocities."""
+    """The unit of the velocities of the file (m/s); by default m/s, or what a NetCDF file states. Effect: scales the
+    velocities."""
     time_unit: Duration = 1.0
-    """The unit of the times of the file (s); dates need none. Effect: scales the times."""
+    """The unit of the times of the file (s); by default seconds, or what a NetCDF file states; dates need none. Effect:
+    scales the times."""
     coordinates: tuple[Name, ...] = ()
     """The names of the coordinates in the file, the upward one last; by default x, y in 2D and x, y, z in 3D. Example:
     `["lon", "lat"]`. Effect: selects other arrays."""

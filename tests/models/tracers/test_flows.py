@@ -7,18 +7,20 @@ import pytest
 
 from ecume.analysis.series import tracks
 from ecume.citing import papers_of
-from ecume.errors import SceneError
+from ecume.errors import BadInput, SceneError
 from ecume.laws import carrier_flows
-from ecume.models import MODELS, gridded_flows
+from ecume.models import MODELS, field_files, gridded_flows
 from ecume.models.gridded_flows import Grid
 from ecume.models.tracers.liquid_flow import varying_flow
 from ecume.models.tracers.named_flows import NAMED_FLOWS
 from ecume.models.tracers.tank import bounds
 from ecume.models.user_laws import bind
 from ecume.run import run
+from ecume.scenes.fields import FieldSpec
 from ecume.scenes.load import load_scene
 from ecume.scenes.schema import from_plain
 from ecume.simulation import simulate
+from ecume.units import factor
 
 NAMED = {
     "channel": {"speed": 0.3}, "couette": {"speed": 0.3}, "tube": {"speed": 0.3}, "duct": {"speed": 0.3},
@@ -384,6 +386,50 @@ def test_netcdf_and_vtk_give_the_grid_of_numpy(tmp_path):
         ends.append(last.arrays["position"][0])
     assert ends[1] == pytest.approx(ends[0], abs=1e-12)
     assert ends[2] == pytest.approx(ends[0], abs=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("length", "speed", "time"),
+    [
+        ("", "", ""),
+        ("m", "m/s", "s"),
+        ("km", "cm s-1", "hours"),
+        ("nautical_mile", "knot", "days"),
+        ("km", "m.s-1", "h"),
+    ],
+)
+def test_the_units_that_a_netcdf_file_states_are_used(tmp_path, length, speed, time):
+    xarray, rng, path = pytest.importorskip("xarray"), np.random.default_rng(1), tmp_path / "flow.nc"
+    pytest.importorskip("h5netcdf")
+    sought = ((length, "m"), (speed.replace(".", " "), "m/s"), (time, "s"))
+    one = [factor(unit, symbol) if unit else 1.0 for unit, symbol in sought]
+    x, y, t, velocity = 100.0 * np.arange(5), 100.0 * np.arange(4), 3600.0 * np.arange(3), rng.normal(size=(2, 3, 4, 5))
+    parts = {
+        name: (("t", "y", "x"), part / one[1], {"units": speed}) for name, part in zip("uv", velocity, strict=True)
+    }
+    axes = {name: (name, values / one[0], {"units": length}) for name, values in (("x", x), ("y", y))}
+    data = xarray.Dataset(parts, {**axes, "t": ("t", t / one[2], {"units": time})})
+    data.to_netcdf(path, engine="h5netcdf")
+    found = field_files.grid_of(FieldSpec(file=str(path)), 2)
+    assert found.step == pytest.approx((100.0, 100.0), rel=1e-12)
+    assert found.times == pytest.approx(t, rel=1e-12)
+    assert found.velocity == pytest.approx(np.transpose(velocity, (1, 3, 2, 0)), rel=1e-12)
+    given = field_files.grid_of(FieldSpec(file=str(path), length_unit=10.0, velocity_unit=2.0, time_unit=60.0), 2)
+    assert given.step[0] == pytest.approx(1000.0 / one[0], rel=1e-12), "the key comes first"
+    assert given.times == pytest.approx(60.0 * t / one[2], rel=1e-12)
+    assert given.velocity == pytest.approx(2.0 / one[1] * np.transpose(velocity, (1, 3, 2, 0)), rel=1e-12)
+
+
+def test_a_netcdf_file_in_degrees_is_refused(tmp_path):
+    xarray, path = pytest.importorskip("xarray"), str(tmp_path / "globe.nc")
+    pytest.importorskip("h5netcdf")
+    axes = {
+        name: (name, np.arange(4.0), {"units": unit}) for name, unit in (("x", "degrees_east"), ("y", "degrees_north"))
+    }
+    data = {name: (("y", "x"), np.ones((4, 4))) for name in "uv"}
+    xarray.Dataset(data, axes).to_netcdf(path, engine="h5netcdf")
+    with pytest.raises(BadInput, match=r"'x' is in degrees_east; expected lengths on a plane"):
+        field_files.grid_of(FieldSpec(file=path), 2)
 
 
 # --- Functions of the user
