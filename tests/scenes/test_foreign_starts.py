@@ -544,6 +544,23 @@ def test_a_box_around_the_origin_fills_a_periodic_tank(tmp_path: Path, up: str, 
     assert "the periodic box of box.dump is" in faults(tmp_path, text)[0]
 
 
+def test_a_tilted_box_is_refused_where_images_would_be_shifted(tmp_path: Path) -> None:
+    """In a tank that is periodic along y, particles one period higher are also one tilt further along x."""
+    head = "ITEM: TIMESTEP\n0\nITEM: NUMBER OF ATOMS\n1\nITEM: BOX BOUNDS xy xz yz pp pp pp\n0 12 2\n0 8 0\n0 1 0\n"
+    (tmp_path / "box.dump").write_text(f"{head}ITEM: ATOMS x y\n3.5 0.5\n")
+    start = 'start_from = { file = "box.dump", length_unit = "1 mm" }'
+    periodic = {side: f'{side} = {{ kind = "periodic" }}\n' for side in ("left", "right", "bottom", "top")}
+    both, along_x = "".join(periodic.values()), periodic["left"] + periodic["right"]
+    texts = [
+        LATTICE.format(up="y", start=start, low=[0, 0], high=[0.010, 0.008], sides=each) for each in (both, along_x)
+    ]
+    assert faults(tmp_path, texts[0]) == [
+        "start_from.file: box.dump has a box tilted by 0.002 m; expected a rectangular one for a tank that is periodic "
+        "along x and y; write the file without a tilt, or use walls there"
+    ]
+    assert np.allclose(loaded(tmp_path, texts[1]).fluid[0].particles.positions, [[0.0035, 0.0005]])  # type: ignore[union-attr]
+
+
 def test_a_mass_per_depth_is_of_liquid_in_two_dimensions_only(folder: Path) -> None:
     text = LATTICE.format(
         up="y",

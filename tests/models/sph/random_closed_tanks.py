@@ -19,7 +19,7 @@ from ecume.models.sph.setup.initial_particles import liquid_of
 from ecume.models.sph.state import make_state
 from ecume.scenes.schema import from_plain
 from ecume.simulation import Integration
-from tests.models.sph.scenes import OPEN
+from tests.models.sph.scenes import OPEN, PERIODIC
 
 
 def collapsing(seed: int, pressure: str) -> Any:
@@ -80,6 +80,22 @@ def opened(seed: int, pressure: str) -> Any:
     fluid = [{"low": [0.0, 0.0], "high": [liquid, depth]}]
     bodies = [body] if pressure == "tait" else []  # refused otherwise
     return plain_of(spacing, tank, fluid, pressure, depth, obstacles=[obstacle], bodies=bodies)
+
+
+def disordered(seed: int) -> Any:
+    """A full tank of height 1 and periodic along x, from displacements of a fifth of a spacing, without viscosity, for
+    six times sqrt(H/g).
+    """
+    rng = np.random.default_rng([6, seed])
+    corners = {"high": [float(rng.uniform(0.7, 1.2)), 1.0]}
+    return from_plain(
+        {
+            "model": "sph", "seed": seed, "duration": 6.0, "frame_every": 0.3, "spacing": 1.0 / rng.integers(9, 12),
+            "gravity": [0.0, -1.0], "liquid": {"density": 1.0}, "fluid": [{"low": [0.0, 0.0], **corners}],
+            "tank": {**corners, "left": PERIODIC, "right": PERIODIC},
+            "method": {"jitter": 0.2, "artificial_viscosity": 0.0},
+        }
+    )  # fmt: skip
 
 
 def unbalanced(frames: Any) -> float:

@@ -367,13 +367,14 @@ def test_every_number_of_a_frame_is_expected(dimension):
 @pytest.mark.parametrize(
     ("change", "there"),
     [
-        ("method.artificial_viscosity=0.0", True),
+        ("tank.high=[0.5, 1.2]", True),
+        ("tank.high=[0.5, 1.0]", False),
         ("method.artificial_viscosity=0.1", False),
         ("method.shifting=none", False),
-        ("tank.high=[0.5, 1.2]", False),
+        ("method.shifting=automatic", False),
     ],
 )
-def test_shifting_without_any_viscosity_is_remarked(change, there):
+def test_shifting_that_a_scene_asks_for_without_any_viscosity_is_remarked(change, there):
     text = """
     model = "sph"
     duration = 1.0
@@ -389,5 +390,7 @@ def test_shifting_without_any_viscosity_is_remarked(change, there):
     high = [0.5, 1.0]
     [method]
     artificial_viscosity = 0.0
+    shifting = "delta-plus"
     """
-    assert ("shifting" in said(ecume.load_scene(text, [change]))) == there
+    changes = ["tank.high=[0.5, 1.2]", change] if not change.startswith("tank") else [change]
+    assert ("shifting" in said(ecume.load_scene(text, changes))) == there

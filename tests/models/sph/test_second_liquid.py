@@ -317,13 +317,16 @@ def test_half_a_run_and_its_other_half_make_the_whole():
 @pytest.mark.compiled
 @pytest.mark.parametrize("seed", range(4))
 def test_random_stacked_liquids_stay_at_rest(seed):
-    """Full or open tanks, with random displacements: they come to rest, unmixed, and gain no energy."""
+    """Full or open tanks, with random displacements: they come to rest, unmixed, and gain no energy. Full ones, with
+    larger displacements, gained up to 24 % of their potential energy; particles that settle raise it once.
+    """
     rng = np.random.default_rng([45, seed])
     ratio, height = float(10.0 ** rng.uniform(0.1, 1.5)), float(rng.choice([1.0, 1.4]))
-    scene = stacked(ratio, deep=16, wide=8, height=height, method={"jitter": 0.05}, duration=3.0, frame_every=0.3)
+    jitter, most = (0.2, 5e-4) if height == 1.0 else (0.05, 1e-4)
+    scene = stacked(ratio, deep=16, wide=8, height=height, method={"jitter": jitter}, duration=3.0, frame_every=0.3)
     frames = list(ecume.simulate(scene))
     energy = np.array([each.numbers["total_energy"] - each.numbers["injected_work"] for each in frames])
-    assert (energy - np.minimum.accumulate(energy)).max() < 1e-4 * frames[0].numbers["potential_energy"]
+    assert (energy - np.minimum.accumulate(energy)).max() < most * frames[0].numbers["potential_energy"]
     last = frames[-1]
     height_of, liquid = last.arrays["position"][:, 1], last.arrays["liquid"]
     assert height_of[liquid == 1].max() < height_of[liquid == 2].min()

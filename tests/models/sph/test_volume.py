@@ -199,12 +199,16 @@ def test_a_full_tank_keeps_its_volume_and_its_pressure_while_particles_settle(di
         ({}, True),
         ({"gravity": [0.0, 0.0], "liquid": {"maximum_speed": 1.0}}, False),
         ({"method": {"pressure": "incompressible"}}, False),
-        ({"tank": {"high": [1.0, 1.0], "left": {"kind": "periodic"}, "right": {"kind": "periodic"}}}, False),
+        ({"tank": {"high": [1.0, 1.0], "left": {"kind": "periodic"}, "right": {"kind": "periodic"}}}, True),
+        ({"tank": {"high": [1.0, 1.0], "left": {"kind": "periodic"}, "right": {"kind": "periodic"}},
+          "gravity": [1.0, 0.0]}, False),
+        ({"tank": {"high": [1.0, 1.0], **{side: {"motion": {"amplitude": 0.01, "frequency": 1.0}}
+                                          for side in ("left", "right")}}}, True),
         ({"tank": {"high": [1.0, 1.0], "top": {"kind": "open"}}}, False),
         ({"tank": {"high": [1.0, 1.5]}}, False),
         ({"tank": {"high": [1.0, 1.0], "left": {"motion": {"amplitude": 0.01, "frequency": 1.0}}}}, False),
     ],
-)
-def test_only_full_tanks_of_rigid_walls_under_gravity_keep_their_volume(changes, fixed):
+)  # fmt: skip
+def test_only_full_closed_tanks_under_gravity_keep_their_volume(changes, fixed):
     box = {"tank": {"high": [1.0, 1.0]}, "fluid": [{"low": [0.0, 0.0], "high": [1.0, 1.0]}], "spacing": 0.1}
     assert SPH.parameters(full_tank(0, 2, **{**box, **changes})).fixed_volume == fixed

@@ -355,7 +355,7 @@ class Parameters(NamedTuple):
     courant: float
     walls_clip: bool
     fixed_volume: bool
-    """whether rigid walls on all sides keep the volume of the liquid"""
+    """whether walls and periodic sides keep the volume of the liquid"""
     precision: Precision
     """of the input and output of sums over neighbors; the state is always in double precision"""
     origin: Array

@@ -119,8 +119,8 @@ def _store_density_rate(parameters: Parameters, state: State, workspace: Workspa
 
 
 def conserve_volume(state: State, workspace: Workspace) -> None:
-    """Add the same strain rate to all particles, so that sum m/rho is constant in a full tank of rigid walls. It counts
-    as diffusion, which does work.
+    """Add the same strain rate to all particles, so that sum m/rho is constant in a full, closed tank. It counts as
+    diffusion, which does work.
 
     Density integrates the motion of particles, sum_j m_j W. While a disordered arrangement settles, this sum decreases
     although the tank stays full. The pressure would fall by c0^2 times as much, become negative at the lid, and there

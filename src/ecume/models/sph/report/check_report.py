@@ -33,7 +33,6 @@ from ecume.models.sph.setup.choices import (
     liquid_in,
     makes_waves,
     material_rows,
-    shifting_of,
     sides_of,
     smallest_extent,
     smoothing_of,
@@ -112,9 +111,11 @@ def _effective_viscosity(scene: SphScene, parameters: Parameters) -> list[Row]:
 
 
 def _shifting(scene: SphScene, parameters: Parameters) -> list[Row]:
-    """The row on shifting in a liquid without any viscosity: nothing removes the energy that it adds."""
-    shifting = shifting_of(scene)
-    if shifting == "none" or parameters.projection or total_viscosity(scene, parameters) > 0.0:
+    """The row on shifting that a scene asks for in a liquid without any viscosity: nothing removes the energy that it
+    adds. Where the volume is kept it adds none.
+    """
+    shifting, harmless = scene.method.shifting, bool(parameters.projection) or parameters.fixed_volume
+    if shifting in ("automatic", "none") or harmless or total_viscosity(scene, parameters) > 0.0:
         return []
     remark = 'without any viscosity its energy grows where particles are not on a lattice; method.shifting = "none" or'
     return [("shifting", shifting, f"{remark} a viscosity avoids that")]

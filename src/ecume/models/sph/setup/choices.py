@@ -282,11 +282,11 @@ def _volume_of(region: RegionSpec, scene: SphScene) -> float:
 
 
 def fixed_volume(scene: SphScene) -> bool:
-    """Whether rigid walls on all sides keep the volume of the liquid. Without gravity a uniform pressure has no effect,
+    """Whether walls and periodic sides keep the volume of the liquid. Without gravity a uniform pressure has no effect,
     and the density stays that of the particles.
     """
-    rigid = all(side.kind == "wall" and side.motion is None for side in sides_of(scene))
-    return rigid and bool(gravity_of(scene).any()) and not free_surface(scene)
+    closed = all(side.kind in ("wall", "periodic") for side in sides_of(scene))
+    return closed and bool(held_pull(scene).any()) and not free_surface(scene)
 
 
 def smallest_extent(scene: SphScene) -> float:
