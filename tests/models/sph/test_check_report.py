@@ -374,7 +374,7 @@ def test_every_number_of_a_frame_is_expected(dimension):
         ("method.shifting=automatic", False),
     ],
 )
-def test_shifting_that_a_scene_asks_for_without_any_viscosity_is_remarked(change, there):
+def test_shifting_that_a_scene_selects_without_any_viscosity_is_remarked(change, there):
     text = """
     model = "sph"
     duration = 1.0

@@ -111,7 +111,7 @@ def _effective_viscosity(scene: SphScene, parameters: Parameters) -> list[Row]:
 
 
 def _shifting(scene: SphScene, parameters: Parameters) -> list[Row]:
-    """The row on shifting that a scene asks for in a liquid without any viscosity: nothing removes the energy that it
+    """The row on shifting that a scene selects, in a liquid without any viscosity: nothing removes the energy that it
     adds. Where the volume is kept it adds none.
     """
     shifting, harmless = scene.method.shifting, bool(parameters.projection) or parameters.fixed_volume
