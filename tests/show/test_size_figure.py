@@ -6,6 +6,7 @@ import pytest
 from ecume.scenes.load import load_scene
 from ecume.scenes.templates import folder
 from ecume.show.curves import sizes
+from ecume.show.publishing import points_of, written_data
 from ecume.simulation import simulate
 
 
@@ -14,8 +15,18 @@ def test_equal_sizes_are_in_the_middle_of_one_class_and_all_particles_are_counte
     frame = next(simulate(scene))
     axes = sizes([frame], scene).axes[0]
     radius = 1e3 * float(np.mean(frame.arrays["radius"]))
-    for steps in axes.patches:
-        part, edges, _ = steps.get_data()
+    number, volume, _mean = axes.lines
+    for steps in (number, volume):
+        edges, heights = points_of(steps).T
+        part = heights[:-1]
         full = int(np.argmax(part))
         assert part.sum() == pytest.approx(100.0) == part[full]
         assert 0.5 * (edges[full] + edges[full + 1]) == pytest.approx(radius)
+
+
+def test_a_histogram_is_written_as_a_table_with_a_row_for_each_edge(tmp_path):
+    scene = load_scene(folder() / "two-spheres.toml")
+    drawn = sizes([next(simulate(scene))], scene)
+    written_data(drawn, tmp_path / "sizes.csv")
+    rows = (tmp_path / "sizes.csv").read_text().splitlines()[1:]
+    assert [row.split(",")[1] for row in rows] == 6 * ["of the number"] + 6 * ["of the volume"]

@@ -185,6 +185,7 @@ SYNONYMS: dict[str, tuple[str, ...]] = {
     "reach": ("cutoff",),
     "place": ("position",),
     "measures": ("quantities",),
+    "base": ("scene",),
     "eddy_dispersion": ("turbulent_dispersion",),
     "hamaker": ("hamaker_constant",),
 }
@@ -213,6 +214,7 @@ ELSEWHERE = {
         for word in ("angle", "tilt", "orientation")
     },
     **{f"bodies.{word}": "bodies.motion" for word in ("rotation", "angle_amplitude", "angles", "pivot")},
+    "dish.periodic": "the table [cell]",
     "liquid.gravity": "gravity, at the top of the scene",
     "liquid.flow": "the table [flow]",
     "liquid.shear_rate": "flow.shear_rate",

@@ -23,7 +23,7 @@ from ecume.errors import BadInput
 from ecume.models import MODELS
 from ecume.models.invariants import INJECTED
 from ecume.scenes.faults import suggestion
-from ecume.show.style import INK, MUTED, PALETTE, Scale, figure, legend_outside, plain, scale_for, style
+from ecume.show.style import INK, MUTED, PALETTE, Scale, binned, figure, legend_outside, plain, scale_for, style
 from ecume.trajectories.frame import Frame
 from ecume.trajectories.gsd import present_name
 from ecume.trajectories.reader import Trajectory
@@ -314,7 +314,7 @@ def sizes(frames: Frames, scene: Scene) -> Figure:
         axes = drawn.add_subplot(xlabel=f"radius ({scale.unit})", title=titled("Sizes", scene))
         for weights, color, label in rows:
             part, _ = np.histogram(radius, edges, weights=weights / weights.sum())
-            axes.stairs(100.0 * part, scale.factor * edges, color=color, label=label)
+            binned(axes, 100.0 * part, scale.factor * edges, color=color, label=label)
         axes.axvline(
             scale.factor * float(radius.mean()),
             color=MUTED,

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any, NamedTuple, cast
 
 import matplotlib as mpl
+import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.colors import Colormap, LinearSegmentedColormap, to_hex, to_rgb
@@ -16,7 +17,7 @@ from matplotlib.figure import Figure
 from ecume.errors import BadInput, StorageError
 from ecume.scenes.common import PALETTE as PALETTE
 from ecume.trajectories.records import replacing
-from ecume.units import prefix_power
+from ecume.units import Array, prefix_power
 
 INK, MUTED, RIM = "#1d2733", "#6b7785", "#39444f"
 STEPS = 2048
@@ -205,6 +206,19 @@ def save(drawn: Figure, out: Path) -> Path:
         why = getattr(error.__cause__ or error, "strerror", None)
         raise StorageError(f"{out}: cannot be written ({why or error})") from error
     return out
+
+
+def binned(
+    axes: Axes, values: Array, edges: Array, *, upward: bool = False, color: str | None = None, label: str | None = None
+) -> None:
+    """A histogram as a curve, whose points are the beginnings of bins and the end of the last one; bins are along x,
+    or `upward` along y.
+    """
+    high = np.append(values, values[-1])
+    if upward:
+        axes.plot(high, edges, drawstyle="steps-pre", color=color, label=label)
+    else:
+        axes.plot(edges, high, drawstyle="steps-post", color=color, label=label)
 
 
 def legend_outside(axes: Axes, title: str | None = None) -> None:

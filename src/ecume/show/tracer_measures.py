@@ -14,7 +14,7 @@ from ecume.analysis.series import inside, times
 from ecume.errors import BadInput
 from ecume.show.curves import MOST_INSTANTS, Frames, evolution, over_time, titled
 from ecume.show.picture import species
-from ecume.show.style import MUTED, PALETTE, figure, legend_outside, plain, scale_for, style
+from ecume.show.style import MUTED, PALETTE, binned, figure, legend_outside, plain, scale_for, style
 from ecume.trajectories.frame import Frame
 from ecume.units import Array
 
@@ -124,7 +124,7 @@ def whole_bins(values: Array, interval: float) -> Array:
 def bars(axes: Axes, edges: Array, counted: tuple[Array, Array], color: str, label: str | None = None) -> None:
     """A histogram with error bars."""
     value, error = counted
-    axes.stairs(value, edges, color=color, label=label)
+    binned(axes, value, edges, color=color, label=label)
     axes.errorbar(0.5 * (edges[1:] + edges[:-1]), value, error, fmt="none", color=color, alpha=0.6, linewidth=0.8)
 
 

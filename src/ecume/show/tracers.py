@@ -16,7 +16,7 @@ from ecume.errors import BadInput
 from ecume.models.tracers.tank import body_of, copies_of, inside_of
 from ecume.show.curves import Frames, displacement, energies, evolution, over_time, titled
 from ecume.show.picture import STANDING, USUAL, Eye, Size, Wires, species, wires_of
-from ecume.show.style import PALETTE, figure, legend_outside, plain, scale_for, style
+from ecume.show.style import PALETTE, binned, figure, legend_outside, plain, scale_for, style
 from ecume.show.tank import Round, Setting, Shape, Tank, seen
 from ecume.show.tracer_measures import MEASURES, time_label
 from ecume.trajectories.frame import Frame
@@ -127,9 +127,7 @@ def profile(frames: Frames, scene: TracersScene) -> Figure:
         axes = drawn.add_subplot(xlabel="particles in a slice", title=titled("Number of particles over height", scene))
         for frame, place, color in zip(instants, places, PALETTE, strict=False):
             counts, _ = np.histogram(place, edges)
-            axes.stairs(
-                counts, scale.factor * edges, orientation="horizontal", color=color, label=time_label(frame.time)
-            )
+            binned(axes, counts, scale.factor * edges, upward=True, color=color, label=time_label(frame.time))
         axes.set_ylabel(f"height ({scale.unit})")
         legend_outside(axes)
     return drawn

@@ -57,3 +57,11 @@ def test_check_says_how_to_see_the_contact(change, says):
     value, remark = rows["first contact"]
     assert value.startswith("after about")
     assert says in remark
+
+
+def test_check_says_that_floats_beyond_the_cutoff_never_meet():
+    far = [{**TWO["particles"][0], "positions": [[-2e-2, 0.0], [2e-2, 0.0]]}]
+    rows = {name: (value, remark) for name, value, remark in summary(from_plain({**TWO, "particles": far}))}
+    assert rows["first contact"] == (
+        "none", "40 mm between the nearest two centers, beyond the cutoff: no float attracts another"
+    )  # fmt: skip

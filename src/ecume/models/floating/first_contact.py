@@ -16,6 +16,7 @@ from ecume.models.expected_events import event_row
 from ecume.models.floating.forces.pair_forces import law_of, row_of, two_floats
 from ecume.models.floating.parameters import Parameters, State
 from ecume.scenes.floating import FloatingScene
+from ecume.units import with_prefix
 
 FINE = 0.01
 """The relative change of gap and speed in a step."""
@@ -28,10 +29,18 @@ LEAST = 1e-7
 
 def first_contact(parameters: Parameters, state: State, longest: float) -> float:
     """The time of the first contact (s); infinite if no contact is expected within the longest time."""
+    gaps = _nearest_gaps(parameters, state)
+    if not gaps or min(gaps.values()) <= 0.0:
+        return math.inf  # alone, or in contact from the start
+    return min(_meeting_time(parameters, state, pair, longest) for pair in gaps)
+
+
+def _nearest_gaps(parameters: Parameters, state: State) -> dict[tuple[int, int], float]:
+    """The gaps (m) of the pairs that may meet first; empty where forces do not decide it."""
     floats, row = parameters.floats, row_of(parameters)
     count = len(floats.radius)
     if count < 2 or not row.has_force or np.any(parameters.periods) or parameters.drift.thermal > 0.0:
-        return math.inf
+        return {}
     neighbors = min(count - 1, NEAREST)
     found = cKDTree(state.position).query(state.position, k=neighbors + 1)
     away, other = np.asarray(found[0]), np.asarray(found[1])
@@ -40,10 +49,7 @@ def first_contact(parameters: Parameters, state: State, longest: float) -> float
         for i in range(count)
         for distance, j in zip(away[i, 1:].tolist(), other[i, 1:].tolist(), strict=True)
     }
-    nearest = sorted(pairs, key=lambda pair: pairs[pair])[:NEAREST]
-    if nearest and pairs[nearest[0]] <= 0.0:
-        return math.inf  # in contact from the start
-    return min((_meeting_time(parameters, state, pair, longest) for pair in nearest), default=math.inf)
+    return {pair: pairs[pair] for pair in sorted(pairs, key=lambda pair: pairs[pair])[:NEAREST]}
 
 
 def _meeting_time(parameters: Parameters, state: State, pair: tuple[int, int], longest: float) -> float:
@@ -90,6 +96,18 @@ def _meeting_time(parameters: Parameters, state: State, pair: tuple[int, int], l
 
 
 def contact_row(scene: FloatingScene, parameters: Parameters, state: State) -> list[tuple[str, str, str]]:
-    """The row of `ecume check` on the first contact, with suggested times of frames; empty without a contact."""
+    """The row of `ecume check` on the first contact, with suggested times of frames; empty without a contact, unless
+    all floats are too far apart to attract each other.
+    """
     time = first_contact(parameters, state, 10.0 * scene.duration)
+    if time == math.inf and (apart := _nearest_distance(parameters, state)) > parameters.cutoff:
+        far = f"{with_prefix(apart, 'm')} between the nearest two centers, beyond the cutoff: no float attracts another"
+        return [("first contact", "none", far)]
     return event_row("first contact", time, (scene.duration, scene.frame_every), "of the nearest two floats, alone")
+
+
+def _nearest_distance(parameters: Parameters, state: State) -> float:
+    """The least distance (m) of the centers of pairs that may meet; zero where forces do not decide it."""
+    radius = parameters.floats.radius
+    gaps = _nearest_gaps(parameters, state)
+    return min((gap + float(radius[i] + radius[j]) for (i, j), gap in gaps.items()), default=0.0)

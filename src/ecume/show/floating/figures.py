@@ -67,7 +67,7 @@ from ecume.show.curves import (
 )
 from ecume.show.floating.bowl import Bowl, dish_outline, view_of
 from ecume.show.picture import species, species_dots
-from ecume.show.style import INK, MUTED, PALETTE, figure, legend_outside, plain, scale_for, style
+from ecume.show.style import INK, MUTED, PALETTE, binned, figure, legend_outside, plain, scale_for, style
 from ecume.trajectories.frame import Frame
 from ecume.units import Array
 
@@ -123,7 +123,7 @@ def distribution(frames: Frames, scene: Any) -> Figure:
         )
         rows = [(shown[:1], MUTED, f"first, {shown[0].time:.3g} s"), (shown, PALETTE[1], f"all {len(shown)} frames")]
         for some, color, label in rows:
-            axes.stairs(pair_distribution(some, edges, region), edges / radius, color=color, label=label)
+            binned(axes, pair_distribution(some, edges, region), edges / radius, color=color, label=label)
         axes.axhline(1.0, color=INK, linewidth=0.6)
         axes.set(xlim=(0.0, edges[-1] / radius), ylabel="pair distribution g(r)")
         axes.set_ylim(bottom=0.0)
@@ -194,7 +194,9 @@ def distances(frames: Frames, scene: Any) -> Figure:
                 marked = True
         if (solution := two_body_gap(shown, scene)) is not None:
             axes.plot(*(solution * [[1.0], [1e3]]), "--", color=INK, linewidth=1.0, label="equation of motion of two")
-        axes.set(ylabel="gap (mm)", ylim=(0.0, None))
+        axes.margins(y=0.05)
+        axes.set_ylabel("gap (mm)")
+        axes.set_ylim(bottom=0.0)
         legend_outside(axes)
     return drawn
 

@@ -18,7 +18,7 @@ from ecume.errors import BadInput
 from ecume.scenes.soft import SoftScene
 from ecume.show.curves import Frames, evolution, scaling, span, steps, titled
 from ecume.show.soft.packing import flat_box
-from ecume.show.style import INK, MUTED, PALETTE, Scale, figure, legend_outside, scale_for, style
+from ecume.show.style import INK, MUTED, PALETTE, Scale, binned, figure, legend_outside, scale_for, style
 from ecume.trajectories.frame import Frame
 from ecume.units import Array
 
@@ -46,9 +46,7 @@ def gap_histogram(frames: Frames, scene: SoftScene) -> Figure:
         for frame, gap, color in zip(chosen, gaps, PALETTE, strict=False):
             if len(gap):
                 found = gap_distribution(gap, bins=24, span=ends)
-                axes.stairs(
-                    found.density, scale.factor * found.edges, color=color, linewidth=1.4, label=f"{frame.time:.3g} s"
-                )
+                binned(axes, found.density, scale.factor * found.edges, color=color, label=f"{frame.time:.3g} s")
         axes.set_xscale(scaling(ends))
         legend_outside(axes)
     return drawn
