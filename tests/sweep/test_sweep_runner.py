@@ -16,7 +16,7 @@ from tests.sweep.four_bowls import ALONE, BOWLS
 from typer.testing import CliRunner
 
 from ecume.cli import app
-from ecume.errors import Stopped
+from ecume.errors import SceneError, Stopped
 from ecume.scenes.templates import copy_template
 from ecume.sweep import open_sweep, sweep
 from ecume.sweep.directory import existing_sweep, write_points
@@ -50,6 +50,20 @@ def test_only_what_is_missing_is_run(file, tmp_path):
     assert heard == [(3, 5), (4, 5), (5, 5)]
     assert all(path.stat().st_mtime_ns == at for path, at in before.items())
     assert [row["seed"] for row in open_sweep(tmp_path / "out").table()] == [2, 3, 4, 5, 6]
+
+
+def test_each_run_ends_by_the_condition_of_the_sweep(file, tmp_path):
+    """Other runs are in other folders, and are kept."""
+    sweep(file, tmp_path / "out", ALONE)
+    rows = open_sweep(tmp_path / "out").table()
+    file.write_text('until = "kinetic_energy > 0"\n' + BOWLS)
+    done = sweep(file, tmp_path / "out", ALONE)
+    assert done.done == len(rows)
+    ends = [json.loads(path.read_text()) for path in (tmp_path / "out").rglob("DONE.json")]
+    assert sorted(one.get("early", False) for one in ends) == [False] * len(rows) + [True] * len(rows)
+    file.write_text('until = "kinetic_energy"\n' + BOWLS)
+    with pytest.raises(SceneError, match=r"until: .*expected a condition such as"):
+        sweep(file, tmp_path / "out", ALONE)
 
 
 @pytest.mark.long

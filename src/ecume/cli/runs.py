@@ -139,6 +139,15 @@ MaxDays = Annotated[
         "--max-days", min=0.0, metavar="DAYS", help="Longest expected run time in days; longer runs are refused."
     ),
 ]
+Until = Annotated[
+    str | None,
+    option(
+        "--until",
+        metavar="CONDITION",
+        help="End the run once a number crosses a bound (`top > 0.3`) or is stationary (`stationary shear_stress`, "
+        "`stationary shear_stress within 2 %`: the standard error of its mean); at the latest after the duration.",
+    ),
+]
 Out = Annotated[
     Path | None, option("-o", "--out", metavar="DIR", help="Directory of the run; default: runs/NAME for NAME.toml.")
 ]
@@ -157,6 +166,7 @@ def run(
     force: Force = False,
     view: Annotated[bool, typer.Option("--view", help="Show the run in the browser while it is computed.")] = False,
     on_violation: Violation = None,
+    until: Until = None,
     thermo: Thermo = False,
     thermo_columns: Columns = None,
     thermo_every: ThermoEvery = None,
@@ -201,6 +211,7 @@ def run(
                     progress=reporter,
                     source=source,
                     on_violation=on_violation,
+                    until=until or "",
                     engine=led,
                     on_frame=table,
                     numbers=table.names if table else (),
@@ -288,6 +299,8 @@ def _end(done: RunResult, *, quiet: bool) -> None:
 
     if not quiet:
         echo(summary(done))
+    if done.until and not done.early:
+        say(f"warning: {done.directory}: its duration ended before the condition {done.until!r} was met")
     if (watch := summary_line(RunDirectory(done.directory))).startswith(BROKEN):
         say(f"warning: {done.directory}: {watch}; see {RunDirectory(done.directory).watch.name}")
 
@@ -401,6 +414,7 @@ def use_at_most(threads: int | None) -> None:
 def summary(done: RunResult) -> str:
     """A line about a completed run."""
     reached = f"{done.directory}: {done.frames} frames, {done.time:.6g} s in {done.steps} steps"
+    reached += f", ended by {done.until!r}" if done.early else ""
     return f"{reached}, {_spent(done)}" if done.seconds else f"{reached}; it was complete already"
 
 
@@ -427,6 +441,7 @@ def described(run: Info) -> list[tuple[str, str]]:
         ("actions", ", ".join(action["name"] for action in run.manifest.get("actions", []))),
         ("state", f"{run.state}, {ahead(run.remaining)}" if run.remaining is not None else run.state),
         ("simulated", f"{run.time:.6g} s of {run.duration:.6g} s"),
+        ("ends", run.manifest.get("until", "")),
         ("imported", f"from {imported}" if imported else ""),
         ("steps", "" if imported else str(run.step) if run.steps is None else f"{run.step} of {run.steps}"),
         ("frames", str(run.frames)),

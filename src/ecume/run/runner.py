@@ -38,6 +38,7 @@ from ecume.run.progress import Pace, Progress, StatusFile, note
 from ecume.run.recording import Recording
 from ecume.run.samples import NOTHING, Kept, SampleFile
 from ecume.run.selection import require_known, require_numbers, selection_of
+from ecume.run.until import UNTIL, awaited, require_awaited
 from ecume.run.user_code import NO_CODE, Law, UserCode, require_same, warn_of_uncovered
 from ecume.run.verification import ENGINE, IMPORTED, require_computed, require_engine, require_flow_file, require_source
 from ecume.trajectories.records import DONE, as_json, clean, identity, scene_at, storing, write_whole
@@ -72,6 +73,10 @@ class RunResult(NamedTuple):
     """The wall time (s) of this session; 0 for a run that was complete before."""
     integrating: float | None = None
     """The part of it spent in time steps; the rest is setup, compilation and the first step."""
+    until: str = ""
+    """The condition that should end the run before its duration, if any."""
+    early: bool = False
+    """Whether it has ended the run."""
 
     def _repr_html_(self) -> str | None:
         """The notebook view: the player of `ecume view`, in at most 4 MB."""
@@ -80,7 +85,7 @@ class RunResult(NamedTuple):
 
 @dataclass(frozen=True, kw_only=True)
 class RunOptions:
-    """Options of a run that change no bit of the result."""
+    """Options of a run that change no bit of a frame."""
 
     threads: int | None = None
     """The number of threads; default: the number of cores."""
@@ -106,6 +111,8 @@ class RunOptions:
     """The longest accepted wall time (s): a run that is expected to take longer, by the speed of its first steps, is
     refused.
     """
+    until: str = ""
+    """A condition that ends the run before its duration, see `ecume.run.until`. A resumed run keeps its own."""
     strict: bool = False
     """Whether resuming fails if a frame that is computed again differs in any bit from the one on disk, also on another
     processor or with other versions; otherwise such frames are replaced, with a warning.
@@ -143,6 +150,7 @@ def run(
         if first.frame is not None:
             require_known(scene, first.frame)
             require_numbers(options.numbers, first.frame)
+            require_awaited(options.until, selection_of(scene, _model(scene)).of(first.frame))
         with storing(home.path):
             home.path.mkdir(parents=True, exist_ok=True)
         with held(home):
@@ -206,7 +214,10 @@ def _completed(home: RunDirectory) -> RunResult | None:
     expected, found = done.get("sha256", {}), manifest.digests(home)
     damaged = [name for name, digest in expected.items() if found.get(name) != digest]
     if not damaged:
-        return RunResult(home.path, done["frames"], done["step"], done["time"], 0.0)
+        until = manifest_of(home).get(UNTIL, "")
+        return RunResult(
+            home.path, done["frames"], done["step"], done["time"], 0.0, None, until, done.get("early", False)
+        )
     note(home, "damaged after it was done", files=damaged)
     warnings.warn(f"{home.path}: {', '.join(damaged)}: damaged after the run was done; computed again", stacklevel=1)
     if home.samples.name in damaged and home.samples.exists():  # not in checkpoints of earlier versions
@@ -277,6 +288,7 @@ def _found(home: RunDirectory, scene: Scene, parameters: Any, code: UserCode, op
         | {"constants_sha256": constants.save_constants(home, parameters)}
         | code.entries()
         | {"on_violation": options.on_violation or scene.on_violation}
+        | ({UNTIL: options.until.strip()} if options.until else {})
         | ({IMPORTED: clean(options.imported)} if options.imported else {})
         | ({ENGINE: options.engine.name} if options.engine is not None and options.engine.name != LOCAL else {})
     )
@@ -318,7 +330,16 @@ def _drive(session: _Session, moments: Iterable[Moment], request: StopRequest) -
             session.fail(error)
         raise
     at = session.at
-    return RunResult(session.directory, at.frames, at.step, at.time, session.seconds, session.integrating)
+    return RunResult(
+        session.directory,
+        at.frames,
+        at.step,
+        at.time,
+        session.seconds,
+        session.integrating,
+        session.until,
+        session.early,
+    )
 
 
 class _Session:
@@ -330,6 +351,8 @@ class _Session:
         frames = checkpoint.frames
         self._home, self._options, self._code = home, options, code
         selection = selection_of(scene, _model(scene))
+        self.until = manifest_of(home).get(UNTIL, "")
+        self._selection, self._awaited, self.early = selection, awaited(self.until, home, frames), False
         repeats = options.engine is None or options.engine.repeats
         self._recording = Recording(
             home, frames, kinds=scene.kinds, strict=options.strict, selection=selection, repeats=repeats
@@ -370,8 +393,15 @@ class _Session:
                     self._save(moment, 0)
             before = self._recording.frames
             self._take(moment)
-            if moment.ended or request or time.monotonic() - self._saved >= self._options.checkpoint_every:
+            if (
+                moment.ended
+                or self.early
+                or request
+                or time.monotonic() - self._saved >= self._options.checkpoint_every
+            ):
                 self._save(moment, before)
+            if self.early:
+                return
             if request and not moment.ended:
                 raise Stopped(f"stopped by {request.name} {self.at.place}; to continue: ecume resume {self._home.path}")
 
@@ -379,6 +409,7 @@ class _Session:
         """Mark the run as complete."""
         self._record_outcome("done")
         report = {"reason": "done", "exit_code": 0, **self._reached(), "sha256": manifest.digests(self._home)}
+        report |= {"early": True} if self.early else {}
         write(self._home, self._home.done, report)
         self._status.write("done", self.at, last=True)
 
@@ -425,6 +456,8 @@ class _Session:
             self._judge(moment.frame, moment.taken)
             if self._options.on_frame is not None:
                 self._options.on_frame(self._scene.model, moment.frame, moment.taken)
+            if self._awaited is not None and not moment.ended:
+                self.early = self._awaited.take(self._selection.of(moment.frame))
         if self._samples is not None:
             self._sample(self._samples, moment)
         self.at = self._pace.progress(moment, self._recording.frames)
@@ -447,7 +480,7 @@ class _Session:
         """Add a sample that is due; rows become visible to readers at each frame."""
         if moment.sample is not None:
             samples.take(moment.sample, moment.taken, moment.step)
-        if moment.ended:
+        if moment.ended or self.early:
             samples.end_block(moment.taken)
         if moment.frame is not None:
             samples.show()

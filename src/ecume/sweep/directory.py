@@ -23,6 +23,7 @@ from ecume.models.model import LOCAL
 from ecume.run.directory import RunDirectory
 from ecume.run.lock import is_held
 from ecume.run.manifest import FLOW_FILE, flow_digest
+from ecume.run.until import UNTIL
 from ecume.scenes.faults import echo, read_path, value_at
 from ecume.scenes.load import OVERRIDDEN, load_scene
 from ecume.scenes.schema import Scene, from_plain, scene_hash, to_plain
@@ -323,6 +324,8 @@ def _plan(asked: Asked, point: Point) -> dict[str, Any]:
     plan: dict[str, Any] = {"scene": plain, "hash": scene_hash(scene), "scene_sha256": _sha256(as_json(plain))}
     if asked.laws:
         plan["extra_laws"] = list(asked.laws)
+    if spec.until:
+        plan[UNTIL] = spec.until
     return plan if spec.engine == LOCAL else plan | _in_lammps(scene, spec)
 
 
@@ -397,7 +400,7 @@ def _toml(value: Any) -> str:
 
 def _digest(plan: dict[str, Any]) -> str:
     """The digest of a plan. The number of ranks is ignored, since it changes only last digits."""
-    further = [plan[key] for key in ("engine", "extra_laws", FLOW_FILE) if key in plan]
+    further = [plan[key] for key in ("engine", "extra_laws", FLOW_FILE, UNTIL) if key in plan]
     if "hash" in plan and not further:
         return str(plan["hash"])[:KEY_LENGTH]
     words = (one if isinstance(one, str) else _json(one) for one in further)

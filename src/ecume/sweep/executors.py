@@ -81,7 +81,7 @@ def _scene(job: Job, plan: dict[str, object], laws: Sequence[str]) -> None:
 
     own = laws_from(laws)
     with engine_of(plan) as engine:
-        options = RunOptions(threads=THREADS, engine=engine)
+        options = RunOptions(threads=THREADS, engine=engine, until=str(plan.get("until", "")))
         if (job.run / "manifest.json").exists():
             resume(job.run, extra_laws=own, options=options)
         else:

@@ -22,6 +22,7 @@ from pydantic.dataclasses import dataclass
 
 from ecume.errors import BadInput, Fault, SceneError
 from ecume.models.model import LAMMPS, LOCAL
+from ecume.run.until import read_condition
 from ecume.scenes.faults import Complaints, Inconsistent, echo, faults_of, suggestion
 from ecume.scenes.load import parsed, placed, source_in
 from ecume.scenes.overrides import KEY
@@ -140,6 +141,16 @@ def value(got: object) -> object:
 def measure(text: str) -> str:
     """Validate the text of a measure."""
     read_measure(text)
+    return text
+
+
+def condition(text: str) -> str:
+    """Validate the text of a condition."""
+    if text:
+        try:
+            read_condition(text)
+        except BadInput as fault:
+            raise ValueError(str(fault)) from None
     return text
 
 
@@ -303,6 +314,9 @@ class SweepSpec:
     measures: tuple[Annotated[Text, AfterValidator(measure)], ...] = ()
     """columns of the table: `final kinetic_energy`, `mean pressure`, `max top`, `first top > 0.3` ...; default: the
     last value of every number"""
+    until: Annotated[Text, AfterValidator(condition)] = ""
+    """a condition that ends each run before its duration: `stationary shear_stress`, `top > 0.3`; see `ecume run
+    --until`"""
     engine: Literal["local", "lammps"] = "local"
     """of all runs: see `ecume run --engine`"""
     ranks: Annotated[int, Field(strict=True, ge=1, le=65536)] = 1
@@ -336,6 +350,8 @@ class SweepSpec:
             yield ("sizes",), "contain a factor twice"
         if self.process and self.measures:
             yield ("measures",), f"apply to scenes; the process {self.process} has a fixed list of numbers"
+        if self.process and self.until:
+            yield ("until",), f"applies to scenes; the process {self.process} ends by itself"
         if self.process and self.engine != LOCAL:
             yield ("engine",), f"the process {self.process} integrates its own scenes; expected {LOCAL}"
         if self.ranks > 1 and self.engine == LOCAL:

@@ -256,7 +256,7 @@ MANIFEST = table(
         "actions": listed(
             table({"name": words, "sha256": digest, "every": named(number)}, {"uncovered": listed(words)})
         ),
-        "on_violation": words, "engine": words, "cores": optional(whole), "seed": optional(number),
+        "on_violation": words, "until": words, "engine": words, "cores": optional(whole), "seed": optional(number),
     },
     rest=optional(words),
 )  # fmt: skip
@@ -276,7 +276,10 @@ WATCH = table(
         ),
     },
 )  # fmt: skip
-DONE = table({"step": whole, "time": number, "frames": whole}, {"sha256": named(digest), "steps": optional(whole)})
+DONE = table(
+    {"step": whole, "time": number, "frames": whole},
+    {"sha256": named(digest), "steps": optional(whole), "early": switch},
+)
 FAILED = table({}, {"message": text, "sha256": named(digest)})
 OWNER = table({"pid": process, "host": text, "began": number}, rest=text)
 SUM = table({"bytes": whole, "crc": whole})

@@ -1,0 +1,119 @@
+"""Conditions that end a run before its duration: a number that crosses a bound, or one that has become stationary."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Iterable
+from typing import NamedTuple
+
+import numpy as np
+
+from ecume.errors import BadInput, nearest
+from ecume.run.directory import RunDirectory
+from ecume.trajectories.frame import Frame
+from ecume.trajectories.reader import Trajectory
+from ecume.trajectories.records import clean
+
+UNTIL = "until"
+"""The entry of a manifest with the condition of a run."""
+FEWEST = 50
+"""The number of frames from which a series is tested."""
+GROWTH = 1.1
+"""The ratio of the numbers of frames at two tests. Each test may accept a series that is not stationary."""
+EXPECTED = "'stationary shear_stress', 'stationary shear_stress within 2 %', 'top > 0.3' or 'speed < 1e-6'"
+NUMBER = r"[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?"
+CROSSING = re.compile(rf"(\w+)\s*([<>])\s*({NUMBER})")
+STATIONARY = re.compile(rf"stationary\s+(\w+)(?:\s+within\s+({NUMBER})\s*%)?")
+LONGEST = 200
+"""The largest length of a condition in characters."""
+
+
+class Condition(NamedTuple):
+    """A condition on a number of frames."""
+
+    text: str
+    number: str
+    below: bool
+    """whether the number must fall below the bound instead of exceeding it"""
+    bound: float
+    """of the number; of a stationary one, that of the standard error of its mean over this mean, or infinite"""
+    stationary: bool
+
+    def met(self, values: list[float]) -> bool:
+        """Whether the values of all frames so far meet it. A series is stationary if its transient, as `steady_state`
+        detects it, is its first third at most, and both halves of the rest agree within three standard errors. It is
+        tested at `FEWEST` frames, and then whenever their number has grown by a tenth.
+
+        >>> read_condition("top > 2").met([1.0, 3.0]), read_condition("top < 2").met([1.0, 3.0])
+        (True, False)
+        """
+        from ecume.analysis.rheology import steady_state  # imported here, since runs do not need SciPy's optimization
+
+        if not self.stationary:
+            return values[-1] < self.bound if self.below else values[-1] > self.bound
+        if not _tested(len(values)) or not np.isfinite(values).all():
+            return False
+        found = steady_state(np.array(values))
+        short = 3 * found.first <= len(values)
+        return found.settled and short and found.mean.error <= self.bound * abs(found.mean.value)
+
+
+def _tested(frames: int) -> bool:
+    """Whether a series of so many frames is tested.
+
+    >>> [frames for frames in range(80) if _tested(frames)]
+    [50, 55, 61, 68, 75]
+    """
+    at = FEWEST
+    while at < frames:
+        at = math.ceil(at * GROWTH)
+    return at == frames
+
+
+def read_condition(text: str) -> Condition:
+    """The condition of a text. Raises BadInput for other texts.
+
+    >>> read_condition("stationary shear_stress within 2 %")[1:]
+    ('shear_stress', False, 0.02, True)
+    """
+    words = text.strip()
+    if len(words) > LONGEST:
+        raise BadInput(f"until: got {len(words)} characters; expected a condition such as {EXPECTED}")
+    if match := STATIONARY.fullmatch(words):
+        return Condition(words, match[1], False, float(match[2]) / 100.0 if match[2] else math.inf, True)
+    if match := CROSSING.fullmatch(words):
+        return Condition(words, match[1], match[2] == "<", float(match[3]), False)
+    raise BadInput(f"until: got {clean(words)!r}; expected a condition such as {EXPECTED}")
+
+
+class Awaited:
+    """A condition with the values of its number in the frames so far."""
+
+    def __init__(self, condition: Condition, values: Iterable[float] = ()) -> None:
+        self.condition, self._values = condition, list(values)
+
+    def take(self, frame: Frame) -> bool:
+        """Add a frame, and tell whether the condition is met now."""
+        self._values.append(frame.numbers[self.condition.number])
+        return self.condition.met(self._values)
+
+
+def require_awaited(text: str, frame: Frame) -> None:
+    """Raise BadInput for a condition that cannot be read, or on a number that recorded frames do not have."""
+    if not text:
+        return
+    name = read_condition(text).number
+    if name not in frame.numbers:
+        raise BadInput(f"until: got {name!r}, which is no number of the frames; {nearest(name, list(frame.numbers))}")
+
+
+def awaited(text: str, home: RunDirectory, frames: int) -> Awaited | None:
+    """The condition of a run with so many frames, which are read for it; None without a condition."""
+    if not text:
+        return None
+    condition = read_condition(text)
+    if not frames:
+        return Awaited(condition)
+    with Trajectory(home.trajectory) as former:
+        return Awaited(condition, (former[place].numbers[condition.number] for place in range(frames)))
