@@ -182,3 +182,43 @@ def test_a_file_that_is_no_text_is_refused(tmp_path):
     (tmp_path / "beads.csv").write_bytes(b"PK\x03\x04\x14\x00\xff")
     with pytest.raises(BadInput, match="is not UTF-8 text"):
         read_tracks(tmp_path / "beads.csv")
+
+
+SPELLINGS = {
+    "tabs": "{rows}",
+    "semicolons": "{rows}",
+    "blanks": "{rows}",
+    "German": "Zeit in s;x in mm;y in mm\n{rows}",
+    "French": "temps (s);x (mm);y (mm)\n{rows}",
+    "slashes": "t/s;x/mm;y/mm\n{rows}",
+    "of Excel": "sep=;\nt [s];x [mm];y [mm]\n{rows}",
+}
+
+
+@pytest.mark.parametrize("kind", SPELLINGS)
+def test_decimal_commas_and_heads_in_other_languages_are_read(kind, tmp_path):
+    bare = SPELLINGS[kind] == "{rows}"
+    mark = {"tabs": "\t", "blanks": "  "}.get(kind, ";")
+    rows = lines([TIMES, *((1.0 if bare else 1e3) * ONE.T)], mark, ".7f").replace(".", ",")
+    (tmp_path / "bead.csv").write_text(SPELLINGS[kind].format(rows=rows))
+    found = read_tracks(tmp_path / "bead.csv")
+    assert found.names == ("bead",)
+    assert found.position[:, 0] == pytest.approx(ONE, abs=1e-7)
+
+
+@pytest.mark.parametrize(
+    ("text", "fault"),
+    [
+        ("id;frame;x;y\n" + "".join(f"1;{998 + n:,};{n};{n}\n" for n in range(5)), "'1,000' may mean '1000' or '1.000'"),
+        ("id,t,x,y,x\n" + "1,0,0,0,0\n" * 3, "has the column 'x' 2 times"),
+        ("t,x1,y1,x1,y1\n" + "0,0,0,0,0\n" * 3, "has the column 'x1' twice"),
+        ("t,x1 [mm],y1 [mm],x2 [cm],y2 [cm]\n" + "0,0,0,0,0\n" * 3, "'x2 [cm]' and 'y2 [cm]' have other units than"),
+        ("id,t,x [mm],y\n" + "1,0,0,0\n" * 3, "expected a unit in both"),
+    ],
+    ids=["thousands", "two columns x", "one object twice", "units of objects", "one unit"],
+)
+def test_a_table_with_two_meanings_is_refused(text, fault, tmp_path):
+    (tmp_path / "beads.csv").write_text(text)
+    with pytest.raises(BadInput) as refused:
+        read_tracks(tmp_path / "beads.csv", Camera(pixel=20e-6, rate=25.0))
+    assert fault in str(refused.value)

@@ -15,7 +15,7 @@ import io
 import math
 import os
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -41,11 +41,15 @@ MOST_BYTES = 256 * 2**20
 NAMES = {
     "x": ("x", "position_x"),
     "y": ("y", "position_y"),
-    "time": ("t", "time", "position_t"),
-    "frame": ("frame", "slice n°", "slice"),
-    "object": ("track_id", "tid", "track n°", "trajectory", "particle", "track", "object", "id"),
-}
-"""The accepted names of columns, in lower case; the first one in the table is used."""
+    "time": ("t", "time", "position_t", "zeit", "temps", "tiempo", "tempo"),
+    "frame": ("frame", "slice n°", "slice", "bild", "image", "imagen"),
+    "object": (
+        "track_id", "tid", "track n°", "trajectory", "particle", "track", "object", "id", "objekt", "objet", "objeto",
+        "teilchen", "particule", "spur",
+    ),
+}  # fmt: skip
+"""The accepted names of columns, in lower case, also in German, French and Spanish; the first one in the table is
+used."""
 HEAD = re.compile(r"\s*([^\[\](),;]*?)\s*(?:[\[(]\s*([^\[\]()]*?)\s*[\])])?\s*")
 UNITS = {"micron": "um", "microns": "um", "µm": "um", "sec": "s", "msec": "ms"}
 """Names of units in TrackMate and ImageJ that differ from those of ecume."""
@@ -53,6 +57,8 @@ PIXELS = ("pixel", "pixels", "px")
 FRAMES = ("frame", "frames")
 DECIMAL_COMMA = re.compile(r"([+-]?[0-9]*),([0-9]+(?:[eE][+-]?[0-9]+)?)")
 """A number with a decimal comma, in a table separated by semicolons or tabs, or in quotes."""
+THOUSANDS = re.compile(r"[+-]?[1-9][0-9]{0,2}(?:,[0-9]{3})+")
+"""A number whose comma divides thousands, or decimals."""
 NO_OBJECT = ("", "none", "nan")
 """Entries for the track of a spot that belongs to no track, and for the position of an object that was not seen."""
 
@@ -126,8 +132,8 @@ BEHIND = re.compile(r"[\[(][^\[\]()]*[\])]\s*$")
 """The unit of a column, in brackets or parentheses behind its name."""
 NOT_OBJECTS = ("v", "vel", "velocity", "speed", "acc", "acceleration", "component")
 """Words beside x and y that name other quantities."""
-WITH_UNIT = re.compile(r"\s*([A-Za-z]+)_(nm|um|µm|μm|mm|cm|m|px|pixels?|s|ms|sec|min)\s*")
-"""A column with its unit behind an underscore: x_mm, t_s."""
+WITH_UNIT = re.compile(r"\s*([A-Za-z]+)(?:_|\s*+/\s*+|\s++in\s++)(nm|um|µm|μm|mm|cm|m|px|pixels?|s|ms|sec|min)\s*")
+"""A column with its unit behind an underscore, a slash or a word: x_mm, t/s, Zeit in s."""
 BODY_PARTS = "scorer"
 """The first cell of tables of DeepLabCut."""
 
@@ -155,8 +161,7 @@ def in_rows_of_objects(rows: Rows, name: str) -> Rows:
     whole = _pairs(heads, above, OF_OBJECT) or _pairs(heads, above, OBJECT_OF)
     if not whole:
         return rows
-    x, y = (next(iter(whole.values()))[axis] for axis in "xy")
-    units = (match[0] if (match := BEHIND.search(heads[place][:200])) else "" for place in (x, y))
+    units = _units_of_pairs(heads, whole)
     head = [heads[time], *(axis + unit for axis, unit in zip("xy", units, strict=True))]
     lines = [
         (line, [*(row[place] if place < len(row) else "" for place in (time, pair["x"], pair["y"])), who])
@@ -166,6 +171,20 @@ def in_rows_of_objects(rows: Rows, name: str) -> Rows:
     return [(rows[0][0], [*head, "object"]), *lines]
 
 
+def _units_of_pairs(heads: Sequence[str], whole: Mapping[str, Mapping[str, int]]) -> tuple[str, str]:
+    """The units of x and y in their brackets. Raises ValueError where they differ between objects."""
+    found = {
+        who: tuple(match[0] if (match := BEHIND.search(heads[pair[axis]][:200])) else "" for axis in "xy")
+        for who, pair in whole.items()
+    }
+    (first, (x, y)), *others = found.items()
+    for who, units in others:
+        if units != (x, y):
+            here, there = (" and ".join(echo(heads[whole[each][axis]]) for axis in "xy") for each in (who, first))
+            raise ValueError(f"the columns {here} have other units than {there}; expected one unit of length")
+    return x, y
+
+
 def _pairs(heads: Sequence[str], above: Sequence[str], form: re.Pattern[str]) -> dict[str, dict[str, int]]:
     """The columns x and y of each object, whose names are in the heads or above them."""
     pairs: dict[str, dict[str, int]] = {}
@@ -173,7 +192,9 @@ def _pairs(heads: Sequence[str], above: Sequence[str], form: re.Pattern[str]) ->
         if match := form.fullmatch(cell[:200]):
             axis, who = (match[1], match[2] or match[3]) if form is OF_OBJECT else (match[2], match[1])
             if not who or who.lower() not in NOT_OBJECTS:
-                pairs.setdefault(who or above[place], {}).setdefault(axis.lower(), place)
+                pair = pairs.setdefault(who or above[place], {})
+                if pair.setdefault(axis.lower(), place) != place:
+                    raise ValueError(f"has the column {echo(cell)} twice; expected one for each object")
     return {who: pair for who, pair in pairs.items() if len(pair) == 2}
 
 
@@ -237,11 +258,29 @@ def picked(tracks: Tracks, names: Sequence[str]) -> Tracks:
     return Tracks(chosen, times - times[0], tracks.position[seen][:, places])
 
 
+OF_EXCEL = re.compile(r"sep=([;,\t])")
+"""A first line by which Excel knows the character between cells."""
+BARE = re.compile(r"[+-]?(?:[0-9]+(?:[.,][0-9]+)?|[.,][0-9]+)(?:[eE][+-]?[0-9]+)?")
+
+
+def _mark(first: str) -> str:
+    """The character between the cells of a table, from its first line; a blank for any number of blanks."""
+    for mark in (";", "\t", " "):  # numbers may have decimal commas
+        cells = first.split(None if mark == " " else mark)
+        if len(cells) > 2 and all(BARE.fullmatch(cell.strip()) for cell in cells):
+            return mark
+    mark = max(";\t,", key=first.count)
+    return mark if first.count(mark) else " "
+
+
 def _rows(text: str) -> list[tuple[int, list[str]]]:
     """The number and the cells of each nonempty line."""
-    first = next((line for line in text.splitlines() if line.strip() and not line.startswith("#")), "")
-    mark = max(";\t,", key=first.count)
-    if not first.count(mark):  # columns between blanks
+    lines = [line for line in text.splitlines() if line.strip() and not line.startswith("#")]
+    told = OF_EXCEL.fullmatch(lines[0].strip(" ")) if lines else None
+    mark = told[1] if told else _mark(lines[0] if lines else "")
+    if told:
+        text = text.replace(lines[0], "#", 1)
+    if mark == " ":
         text = "\n".join("\t".join(line.split()) for line in text.splitlines())
         mark = "\t"
     reader = csv.reader(io.StringIO(text, newline=""), delimiter=mark, strict=True)
@@ -273,6 +312,9 @@ def _columns(
     if "POSITION_X" in rows[0][1]:
         body, units = _trackmate(body, units)
     found = {kind: place for kind, place in places.items() if place is not None}
+    _require_single(words, rows[0][1], found.values())
+    for kind in ("x", "y", "time", "frame"):
+        _refuse_thousands(body, places[kind])
     usual = "" if words[found["x"]] == "position_x" else "m"  # TrackMate: see the last header line
     if "time" in found and not _unit(units, found["time"]) and camera.rate is not None:
         _require_counted(body, found["time"])
@@ -288,6 +330,29 @@ def _require_counted(body: Rows, place: int) -> None:
                 f"line {line}: the time {cell} is no number of frames; omit --rate if times are in seconds, or "
                 "write their unit into the head, as in 't [ms]'"
             )
+
+
+def _require_single(words: Sequence[str], heads: Sequence[str], places: Iterable[int]) -> None:
+    """Raise ValueError if a column that is used has a namesake."""
+    for place in places:
+        if words.count(words[place]) > 1:
+            raise ValueError(f"has the column {echo(heads[place])} {words.count(words[place])} times; expected one")
+
+
+def _refuse_thousands(body: Rows, place: int | None) -> None:
+    """Raise ValueError if the commas of a column may divide thousands: all of them have three digits behind them, and
+    there are numbers without.
+    """
+    if place is None:
+        return
+    cells = [(line, row[place].strip()) for line, row in body if place < len(row)]
+    with_comma = [(line, cell) for line, cell in cells if "," in cell]
+    if 0 < len(with_comma) < len(cells) and all(THOUSANDS.fullmatch(cell) for _, cell in with_comma):
+        line, cell = with_comma[0]
+        raise ValueError(
+            f"line {line}: {echo(cell)} may mean {echo(cell.replace(',', ''))} or {echo(cell.replace(',', '.', 1))}; "
+            "expected numbers without a comma between thousands"
+        )
 
 
 def _place(words: Sequence[str], known: Sequence[str]) -> int | None:
@@ -315,6 +380,8 @@ def _scaled(places: Mapping[str, int], units: Sequence[str], camera: Camera, usu
     time = places["frame"] if counted else places["time"]
     seconds = _time_scale("frame" if counted else _unit(units, time), camera)
     found = {"time": Column(time, seconds), "object": Column(places["object"], 0.0)}
+    if bool(_unit(units, places["x"])) != bool(_unit(units, places["y"])):
+        raise ValueError("one of the columns x and y has a unit and the other has none; expected a unit in both")
     for axis in ("x", "y"):
         unit = _unit(units, places[axis]) or ("pixel" if counted or camera.pixel is not None else usual)
         found[axis] = Column(places[axis], _length_scale(unit, camera))
