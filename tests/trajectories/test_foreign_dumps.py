@@ -5,7 +5,7 @@ import struct
 import numpy as np
 import pytest
 
-from ecume.trajectories.foreign import dcd, dumps, xyz
+from ecume.trajectories.foreign import dcd, dumps, lammps, xyz
 from ecume.trajectories.foreign.particles import MOST_PARTICLES
 
 PLACES = np.array(
@@ -247,3 +247,34 @@ def test_a_box_of_edges_and_an_origin_is_that_of_its_bounds():
     assert tilted.tilt == 3.0
     with pytest.raises(ValueError, match="got 2 numbers; expected an edge of the box"):
         dumps.read(f"{head}ITEM: BOX BOUNDS abc origin pp pp pp\n0 20\n-5 5\n-0.5 0.5\n{rows}")
+
+
+def test_every_format_tells_the_tilt_of_its_box():
+    """The box with the edges (20, 0, 0), (1.5, 10, 0) and (0, 0, 1), as each program writes it."""
+    atoms = "\nAtoms # atomic\n\n1 2 1 2 0\n2 1 5 2 0\n"
+    edges = "20 0 0 avec\n1.5 10 0 bvec\n0 0 1 cvec\n0 -5 -0.5 abc origin\n"
+    sides = "0 20 xlo xhi\n-5 5 ylo yhi\n-0.5 0.5 zlo zhi\n1.5 0 0 xy xz yz\n"
+    comment = 'Lattice="20 0 0 1.5 10 0 0 0 1" pbc="{}"'
+    found = [
+        dumps.read(YAML.replace("[ 0, 20 ]", "[ 0, 21.5 ]").replace("0.5 ]\nk", "0.5 ]\n  - [ 1.5, 0, 0 ]\nk")),
+        lammps.read(f"title\n2 atoms\n{sides}{atoms}"),
+        lammps.read(f"title\n2 atoms\n{edges}{atoms}"),
+        *(xyz.read(f"1\n{comment.format(periodic)}\nA 1 2 0\n") for periodic in ("T T F", "1 1 0", "[True, True]")),
+    ]
+    assert [(one.sides, one.tilt) for one in found] == [((20.0, 10.0, 1.0), 1.5)] * len(found)
+    assert xyz.read(f"1\n{comment.format('0 0 0')}\nA 1 2 0\n").sides is None
+
+
+def test_labels_of_types_are_read_in_any_order():
+    labels = "title\n2 atoms\n2 atom types\n\nAtom Type Labels\n\n2 small\n1 large\n\nAtoms # atomic\n\n"
+    found = lammps.read(labels + "1 2 1 2 0\n2 large 5 2 0\n")
+    assert [found.names[kind] for kind in found.kind] == ["small", "large"]
+
+
+@pytest.mark.parametrize(
+    ("angles", "tilted"), [((90.0, 90.0, 90.0), False), ((6e-17, 0.0, 90.00001), False), ((0.5, 0.0, 0.0), True)]
+)
+def test_angles_of_a_dcd_box_are_upright_within_rounding(tmp_path, angles, tilted):
+    usual, other = (struct.pack("<6d", 20.0, a, 10.0, b, c, 1.0) for a, b, c in ((90.0, 90.0, 90.0), angles))
+    (tmp_path / "box.dcd").write_bytes(dcd_file().replace(usual, other))
+    assert bool(dcd.read(tmp_path / "box.dcd").tilt) == tilted

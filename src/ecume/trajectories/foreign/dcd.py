@@ -23,6 +23,8 @@ CELL_FLAG = 10
 LONGEST_TITLE = 2**20
 UPRIGHT = (0.0, 90.0)
 """An angle of a rectangular box, as a cosine or in degrees."""
+ALIKE = (1e-6, 1e-4)
+"""How far rounding takes angles from them."""
 
 
 class Layout(NamedTuple):
@@ -92,7 +94,11 @@ def _box(record: bytes) -> tuple[tuple[float, float, float] | None, float]:
     a, gamma, b, beta, alpha, c = struct.unpack("<6d", record)
     if not (np.isfinite([a, b, c]).all() and min(a, b, c) > 0.0):
         return None, 0.0
-    return (a, b, c), 0.0 if all(angle in UPRIGHT for angle in (alpha, beta, gamma)) else 1.0
+    return (a, b, c), 0.0 if all(map(_is_upright, (alpha, beta, gamma))) else 1.0
+
+
+def _is_upright(angle: float) -> bool:
+    return any(abs(angle - one) < off for one, off in zip(UPRIGHT, ALIKE, strict=True))
 
 
 def _record(file: BufferedReader, size: int) -> bytes:

@@ -123,6 +123,9 @@ def _yaml_table(lines: Sequence[str], place: int, end: int) -> Table:
     require_count(count, end - first, keys["natoms"] + 1)
     at = keys["box"] + 1
     box = [_numbers(_items(line), at + axis + 1, (2, 3)) for axis, line in enumerate(lines[at : min(at + AXES, end)])]
+    if len(box) == AXES and at + AXES < end and lines[at + AXES].lstrip().startswith("-"):  # the tilts xy, xz and yz
+        tilts = _numbers(_items(lines[at + AXES]), at + AXES + 1, (3,))
+        box = [[*ends[:2], tilt] for ends, tilt in zip(box, tilts, strict=True)]
     rows = [_items(line) for line in lines[first : first + count]]
     clock = keys.get("time", keys.get("timestep"))
     instant = None if clock is None else instant_of(lines[clock].partition(":")[2])
@@ -137,11 +140,8 @@ def _items(line: str) -> list[str]:
 
 def _numbers(words: Sequence[str], line: int, counts: Sequence[int]) -> list[float]:
     if len(words) not in counts:
-        expected = (
-            "an edge of the box and a coordinate of its origin"
-            if 4 in counts
-            else "the low and the high end of the box"
-        )
+        of_counts = {4: "an edge of the box and a coordinate of its origin", 3: "the tilts xy, xz and yz of the box"}
+        expected = of_counts.get(counts[0], "the low and the high end of the box")
         raise FileFault(f"got {len(words)} numbers; expected {expected}", line)
     return [number(word, line) for word in words]
 

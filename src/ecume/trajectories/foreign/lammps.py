@@ -34,6 +34,8 @@ IMAGES = 3
 SECTION = re.compile(r"[A-Z][A-Za-z]*(?: [A-Za-z]+){0,3}")
 COUNT = re.compile(r"([0-9]+)\s+(atoms|atom types)")
 SPAN = re.compile(r"(\S+)\s+(\S+)\s+([xyz])lo\s+\3hi")
+EDGE = re.compile(r"(\S+)\s+(\S+)\s+(\S+)\s+([abc])vec")
+"""An edge of a general triclinic box."""
 TILT = re.compile(r"(\S+)\s+(\S+)\s+(\S+)\s+xy\s+xz\s+yz")
 
 
@@ -127,6 +129,7 @@ def _header(lines: Sequence[Line]) -> tuple[dict[str, tuple[int, int]], tuple[fl
     """The counts with their lines, the sides of the box, and its largest tilt."""
     counts: dict[str, tuple[int, int]] = {}
     spans: dict[str, float] = {}
+    edges: dict[str, list[float]] = {}
     tilt = 0.0
     for line in lines:
         text = " ".join(line.words)
@@ -134,8 +137,14 @@ def _header(lines: Sequence[Line]) -> tuple[dict[str, tuple[int, int]], tuple[fl
             counts[match[2]] = whole(match[1], line.number), line.number
         elif match := SPAN.fullmatch(text):
             spans[match[3]] = number(match[2], line.number) - number(match[1], line.number)
+        elif match := EDGE.fullmatch(text):
+            edges[match[4]] = [number(match[part], line.number) for part in (1, 2, 3)]
         elif match := TILT.fullmatch(text):
             tilt = max(abs(number(match[part], line.number)) for part in (1, 2, 3))
+    if len(edges) == 3:
+        box_edges = np.array([edges[name] for name in "abc"])
+        spans = dict(zip("xyz", np.abs(box_edges.diagonal()).tolist(), strict=True))
+        tilt = float(np.abs(box_edges - np.diag(box_edges.diagonal())).max())
     box = box_of([spans[axis] for axis in "xyz"]) if len(spans) == 3 else None
     return counts, box, tilt
 
@@ -154,7 +163,8 @@ def _style(atoms: Section) -> list[str]:
 def _names(labels: Sequence[str], sections: Mapping[str, Section]) -> tuple[str, ...]:
     """The names of the types: labels where the file gives them, or their numbers."""
     if "Atom Type Labels" in sections:
-        return tuple(line.words[-1] for line in sections["Atom Type Labels"].lines)
+        lines = sections["Atom Type Labels"].lines  # in any order
+        return tuple(line.words[-1] for line in sorted(lines, key=lambda line: whole(line.words[0], line.number, 1)))
     used = set(labels)
     return tuple(sorted(used, key=lambda label: (len(label), label)))
 

@@ -164,7 +164,7 @@ def _values(rows: Sequence[Sequence[str]], column: Column, line: int) -> NDArray
 
 def _box(comment: dict[str, str], line: int) -> tuple[tuple[float, float, float] | None, float]:
     """The sides of the box and its tilt; none where it is not periodic."""
-    if "lattice" not in comment or "t" not in comment.get("pbc", "T").lower():
+    if "lattice" not in comment or not {"t", "1"} & {*comment.get("pbc", "T").lower()}:
         return None, 0.0
     words = comment["lattice"].split()
     if len(words) != 9:
