@@ -222,3 +222,9 @@ def test_a_table_with_two_meanings_is_refused(text, fault, tmp_path):
     with pytest.raises(BadInput) as refused:
         read_tracks(tmp_path / "beads.csv", Camera(pixel=20e-6, rate=25.0))
     assert fault in str(refused.value)
+
+
+def test_many_objects_at_different_instants_are_refused_before_there_is_memory_for_them(tmp_path):
+    (tmp_path / "beads.csv").write_text("id,t,x,y\n" + "".join(f"{n},{n},0,0\n" for n in range(5000)))
+    with pytest.raises(BadInput, match="5000 objects at 5000 instants are more than 20000000 places"):
+        read_tracks(tmp_path / "beads.csv")

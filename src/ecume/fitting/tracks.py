@@ -38,6 +38,8 @@ LEAST = 3
 MOST_NAMED = 20
 """The largest number of objects that an error lists."""
 MOST_BYTES = 256 * 2**20
+MOST_PLACES = 2 * 10**7
+"""The largest number of objects times instants."""
 NAMES = {
     "x": ("x", "position_x"),
     "y": ("y", "position_y"),
@@ -451,6 +453,11 @@ def _gathered(spots: Sequence[Spot], origin: tuple[float, float], scale: float) 
     """The tracks from single measurements."""
     names = sorted({who for who, *_ in spots}, key=lambda name: (len(name), name))
     times, rows = np.unique([when for _, when, _, _ in spots], return_inverse=True)
+    if len(times) * len(names) > MOST_PLACES:
+        raise ValueError(
+            f"{len(names)} objects at {len(times)} instants are more than {MOST_PLACES} places; expected the tracks of "
+            "the objects that are fitted"
+        )
     position = np.full((len(times), len(names), 2), np.nan)
     column = {name: place for place, name in enumerate(names)}
     for row, (who, when, x, y) in zip(rows, spots, strict=True):

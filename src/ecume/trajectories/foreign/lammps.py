@@ -79,7 +79,8 @@ def read(text: str) -> Particles:
     place = columns.index("type")
     labels = [line.words[place] for line in atoms.lines]
     names = _names(labels, sections)
-    kind = np.array([_kind(label, names, line.number) for label, line in zip(labels, atoms.lines, strict=True)])
+    numbers = {name: number for number, name in enumerate(names)}
+    kind = np.array([_kind(label, numbers, line.number) for label, line in zip(labels, atoms.lines, strict=True)])
     given = {name: np.array(values[name]) for name in ("diameter", "density") if name in columns}
     if "sphere" in atoms.style and not given["diameter"].all():
         raise FileFault("got a diameter of 0; expected spheres", atoms.line)
@@ -91,7 +92,7 @@ def read(text: str) -> Particles:
         np.array([values[axis] for axis in "xyz"]).T,
         _velocities(sections, order),
         given.get("diameter"),
-        _masses(sections, names, kind),
+        _masses(sections, numbers, kind),
         given.get("density"),
         sides,
         tilt,
@@ -169,13 +170,13 @@ def _names(labels: Sequence[str], sections: Mapping[str, Section]) -> tuple[str,
     return tuple(sorted(used, key=lambda label: (len(label), label)))
 
 
-def _kind(label: str, names: tuple[str, ...], line: int) -> int:
+def _kind(label: str, names: Mapping[str, int], line: int) -> int:
     """The number of a type, given as a name or as a number from 1."""
     if label in names:
-        return names.index(label)
-    if label.isascii() and label.isdigit() and 1 <= int(label) <= len(names):
+        return names[label]
+    if label.isascii() and label.isdigit() and len(label) < 19 and 1 <= int(label) <= len(names):
         return int(label) - 1
-    raise FileFault(f"got the type {label[:40]!r}; the file names {', '.join(names)[:200]}", line)
+    raise FileFault(f"got the type {label[:40]!r}; the file names {', '.join([*names][:20])[:200]}", line)
 
 
 def _velocities(sections: Mapping[str, Section], order: Mapping[int, int]) -> np.ndarray | None:
@@ -190,7 +191,7 @@ def _velocities(sections: Mapping[str, Section], order: Mapping[int, int]) -> np
     return found
 
 
-def _masses(sections: Mapping[str, Section], names: tuple[str, ...], kind: np.ndarray) -> np.ndarray | None:
+def _masses(sections: Mapping[str, Section], names: Mapping[str, int], kind: np.ndarray) -> np.ndarray | None:
     """The mass of each particle, by its type."""
     if "Masses" not in sections:
         return None
