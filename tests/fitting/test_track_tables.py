@@ -209,7 +209,10 @@ def test_decimal_commas_and_heads_in_other_languages_are_read(kind, tmp_path):
 @pytest.mark.parametrize(
     ("text", "fault"),
     [
-        ("id;frame;x;y\n" + "".join(f"1;{998 + n:,};{n};{n}\n" for n in range(5)), "'1,000' may mean '1000' or '1.000'"),
+        (
+            "id;frame;x;y\n" + "".join(f"1;{998 + n:,};{n};{n}\n" for n in range(5)),
+            "may mean '1000' or '1.000'",
+        ),
         ("id,t,x,y,x\n" + "1,0,0,0,0\n" * 3, "has the column 'x' 2 times"),
         ("t,x1,y1,x1,y1\n" + "0,0,0,0,0\n" * 3, "has the column 'x1' twice"),
         ("t,x1 [mm],y1 [mm],x2 [cm],y2 [cm]\n" + "0,0,0,0,0\n" * 3, "'x2 [cm]' and 'y2 [cm]' have other units than"),

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 import zipfile
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -27,6 +28,8 @@ MOST_NODES = 10**8
 """The largest number of grid nodes of a run in all frames."""
 FINE = 50
 """Cells along a tank, by default."""
+FASTEST = 1e3
+"""The largest velocity (m/s), that of scenes."""
 REACH = 2.0
 """The averaging range over the particles of a run, in spacings of the grid."""
 
@@ -68,10 +71,30 @@ def grid_of(spec: FieldSpec, dimensions: int) -> Grid:
         expected = "x".join(str(len(each)) for each in places)
         got = "x".join(map(str, velocity.shape[1:-1]))
         raise BadInput(f"{path.name}: its velocities are {got}; its coordinates make a grid of {expected}", "file")
-    if len(times) != len(velocity) or (len(times) > 1 and not (np.diff(times) > 0.0).all()):
+    if len(times) != len(velocity) or not np.isfinite(times).all() or not (np.diff(times) > 0.0).all():
         raise BadInput(f"{path.name}: its {len(times)} times do not rise with its {len(velocity)} instants", "file")
     places = [spec.length_unit * each for each in places]
-    return _grid(path.name, places, spec.velocity_unit * velocity, spec.time_unit * times)
+    velocity = spec.velocity_unit * velocity
+    _require_slow(path.name, velocity)
+    return _grid(path.name, places, velocity, spec.time_unit * times)
+
+
+def _require_slow(name: str, velocity: Array) -> None:
+    """Raise BadInput for velocities that no scene may state, such as the numbers by which files mark land."""
+    largest = float(np.max(np.abs(velocity), where=np.isfinite(velocity), initial=0.0))
+    if largest > FASTEST:
+        raise BadInput(
+            f"{name}: got a velocity of {largest:.4g} m/s; expected at most {FASTEST:g} m/s, and NaN on land: check "
+            "velocity_unit, and replace the numbers that mark land",
+            "file",
+        )
+
+
+def _require_small(name: str, shapes: Sequence[tuple[int, ...]]) -> None:
+    """Raise BadInput, before arrays are read, where a file announces more nodes than can be used."""
+    largest = max(map(math.prod, shapes), default=0)
+    if largest > MOST_NODES:
+        raise BadInput(f"{name}: has {largest:.3g} nodes; expected at most {MOST_NODES:.0e} in all frames", "file")
 
 
 def _unreadable(path: Path, error: Exception) -> str:
@@ -122,10 +145,33 @@ def _of_numpy(path: Path, names: Names, spec: FieldSpec) -> tuple[list[Array], A
         raise BadInput(f"{path.name} is no NumPy archive; expected one that numpy.savez wrote", "file")
     with np.load(path, allow_pickle=False) as file:
         _require(path, (*names.coordinates, *names.velocities), list(file))
+        lines = [*names.coordinates, *((names.time,) if names.time in file else ())]
+        shapes = {name: _announced(file, name) for name in (*lines, *names.velocities)}
+        for name in names.coordinates:
+            _require_line(path, name, len(shapes[name]))
+        _require_small(path.name, list(shapes.values()))
+        nodes = math.prod(math.prod(shapes[name]) for name in lines)
+        for name in names.velocities:
+            if math.prod(shapes[name]) != nodes:
+                got = "x".join(map(str, shapes[name]))
+                expected = "x".join(str(math.prod(shapes[each])) for each in names.coordinates)
+                raise BadInput(
+                    f"{path.name}: its velocities are {got}; its coordinates make a grid of {expected}", "file"
+                )
         places = [_real(file[name]) for name in names.coordinates]
         velocity = np.stack([_real(file[name]) for name in names.velocities], axis=-1)
         times = np.atleast_1d(_real(file[names.time])) if names.time in file else np.zeros(1)
     return places, velocity if velocity.ndim == len(places) + 2 else velocity[None], times
+
+
+def _announced(file: Any, name: str) -> tuple[int, ...]:
+    """The shape of an array in an archive, from its head."""
+    with file.zip.open(f"{name}.npy") as array:
+        read = {(1, 0): np.lib.format.read_array_header_1_0}.get(
+            np.lib.format.read_magic(array), np.lib.format.read_array_header_2_0
+        )
+        shape, _, _ = read(array)
+    return tuple(map(int, shape))
 
 
 def _require(path: Path, required: tuple[str, ...], there: list[str]) -> None:
@@ -155,6 +201,7 @@ def _of_netcdf(path: Path, names: Names, spec: FieldSpec) -> tuple[list[Array], 
         _require(path, (*names.coordinates, *names.velocities), [str(name) for name in file.variables])
         for name in names.coordinates:
             _require_line(path, name, file[name].ndim)
+        _require_small(path.name, [file[name].shape for name in (*names.coordinates, *names.velocities)])
         parts, steady = [], names.time not in file.variables
         axes = [file[name].dims[0] for name in names.coordinates]
         for name in names.velocities:
@@ -164,7 +211,9 @@ def _of_netcdf(path: Path, names: Names, spec: FieldSpec) -> tuple[list[Array], 
             if lacking := [dim for dim in axes if dim not in array.dims]:
                 raise BadInput(f"{path.name}: {name} has no dimension {lacking[0]}; it has {array.dims}", "file")
             if any(array.sizes[dim] > 1 for dim in spare):
-                raise BadInput(f"{path.name}: {name} has a further dimension {spare[0]}; select one level", "file")
+                further = f"{path.name}: {name} has a further dimension {_printable(spare[0])}; select one level"
+                hint = ", or state it as time" if steady and spare[0] in file.variables else ""
+                raise BadInput(further + hint, "file")
             array = array.squeeze(spare)
             if not steady and order[0] not in array.dims:
                 array = array.expand_dims({order[0]: 1})

@@ -10,6 +10,7 @@ from ecume.citing import papers_of
 from ecume.errors import BadInput, SceneError
 from ecume.laws import carrier_flows
 from ecume.models import MODELS, field_files, gridded_flows
+from ecume.models.field_files import grid_of
 from ecume.models.gridded_flows import Grid
 from ecume.models.tracers.liquid_flow import varying_flow
 from ecume.models.tracers.named_flows import NAMED_FLOWS
@@ -356,6 +357,27 @@ def test_a_netcdf_file_of_another_grid_is_refused(tmp_path, axes, v, words):
     (tmp_path / "scene.toml").write_text(text)
     with pytest.raises(SceneError, match=words):
         MODELS["tracers"].parameters(load_scene(tmp_path / "scene.toml"))
+
+
+def changed_file(folder, **changes):
+    """A file of a flow with other arrays."""
+    saved(folder)
+    arrays = dict(np.load(folder / "gyre.npz"))
+    np.savez_compressed(folder / "gyre.npz", **{**arrays, **{name: new(arrays) for name, new in changes.items()}})
+    return FieldSpec(file=str(folder / "gyre.npz"))
+
+
+@pytest.mark.parametrize(("value", "words"), [(-9999.0, "velocity of 9999 m/s"), (1e20, "velocity of 1e.20 m/s")])
+def test_numbers_that_mark_land_are_no_velocities(value, words, tmp_path):
+    with pytest.raises(BadInput, match=words):
+        grid_of(changed_file(tmp_path, u=lambda arrays: np.where(arrays["u"] > 0.0, value, arrays["u"])), 2)
+
+
+def test_an_archive_that_would_fill_the_memory_is_refused_by_its_heads(tmp_path, monkeypatch):
+    spec = changed_file(tmp_path, u=lambda arrays: np.zeros((1000, 1000)))
+    monkeypatch.setattr(np, "stack", lambda *_, **__: pytest.fail("the velocities were read"))
+    with pytest.raises(BadInput, match="its velocities are 1000x1000; its coordinates make a grid of 25x13"):
+        grid_of(spec, 2)
 
 
 def test_netcdf_and_vtk_give_the_grid_of_numpy(tmp_path):
