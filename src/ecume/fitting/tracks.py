@@ -135,7 +135,7 @@ BEHIND = re.compile(r"[\[(][^\[\]()]*[\])]\s*$")
 NOT_OBJECTS = ("v", "vel", "velocity", "speed", "acc", "acceleration", "component")
 """Words beside x and y that name other quantities."""
 WITH_UNIT = re.compile(r"\s*([A-Za-z]+)(?:_|\s*+/\s*+|\s++in\s++)(nm|um|µm|μm|mm|cm|m|px|pixels?|s|ms|sec|min)\s*")
-"""A column with its unit behind an underscore, a slash or a word: x_mm, t/s, Zeit in s."""
+"""A column with its unit behind an underscore, a slash or `in`: x_mm, t/s, Zeit in s."""
 BODY_PARTS = "scorer"
 """The first cell of tables of DeepLabCut."""
 
