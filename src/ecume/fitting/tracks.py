@@ -278,9 +278,9 @@ def _mark(first: str) -> str:
 def _rows(text: str) -> list[tuple[int, list[str]]]:
     """The number and the cells of each nonempty line."""
     lines = [line for line in text.splitlines() if line.strip() and not line.startswith("#")]
-    told = OF_EXCEL.fullmatch(lines[0].strip(" ")) if lines else None
-    mark = told[1] if told else _mark(lines[0] if lines else "")
-    if told:
+    of_excel = OF_EXCEL.fullmatch(lines[0].strip(" ")) if lines else None
+    mark = of_excel[1] if of_excel else _mark(lines[0] if lines else "")
+    if of_excel:
         text = text.replace(lines[0], "#", 1)
     if mark == " ":
         text = "\n".join("\t".join(line.split()) for line in text.splitlines())
