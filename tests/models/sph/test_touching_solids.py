@@ -133,6 +133,17 @@ def test_loads_of_a_mirrored_tank_are_mirrored(place, walls):
     assert np.abs(found[0]).max() > 0.1
 
 
+@pytest.mark.parametrize("gap", [-0.01, 0.0, 0.005])
+def test_a_dry_post_on_the_floor_of_a_hollow_tank_bears_nothing(gap):
+    basin = {"vertices": [[0.3, 0.3], [0.9, 0.3], [0.9, 1.4], [0.3, 1.4]], "hollow": True}
+    post = {"low": [0.8, 0.3 + gap], "high": [0.9, 0.8]}
+    scene = pool(fluid=[{"low": [0.3, 0.3], "high": [0.5, 0.6]}], obstacles=[post, basin], walls="dummy")
+    parameters = SPH.parameters(scene)
+    state = SPH.start(scene, parameters)
+    frame = SPH.observe(parameters, state, SPH.workspace(parameters, state, 1.0))
+    assert frame.numbers["obstacle0_force_x"] == frame.numbers["obstacle0_force_y"] == 0.0
+
+
 @pytest.mark.parametrize("bodies", [[disc(RADIUS, density=2.0)], [disc(RADIUS, density=2.0), disc(0.46, density=0.5)]])
 def test_what_one_gets_the_other_loses(bodies):
     scene = pool(bodies=bodies, obstacles=[{"low": [0.8, 0.0], "high": [1.0, 0.3]}])

@@ -28,7 +28,7 @@ from ecume._jit import admit, prange, spread
 from ecume._portable import product
 from ecume.engine.cells import Integers
 from ecume.engine.neighbor_rows import Grid, Sorted, cell_at, grid_around, sort_by_cell
-from ecume.engine.shapes import Flags, Panels, Shape
+from ecume.engine.shapes import Flags, Hollow, Panels, Shape
 from ecume.engine.walls.sheets import SIZE
 from ecume.engine.walls.surfaces import PLANE
 from ecume.laws import kernels
@@ -204,8 +204,8 @@ def exchanged_loads(
     owner = now.boundary.dummies.owner
     first = now.bodies.first if movers else 0
     for mine in solids:
-        if movers and not mine.moves:
-            continue
+        if (movers and not mine.moves) or isinstance(mine.shape, Hollow):
+            continue  # a basin bears what the solids in it leave: its own difference is of places far from them
         local, normal, area = mine.panels
         points = mine.middle + product(local, mine.turn.T)
         gaps = gaps_of(now, solids, mine, points)
@@ -274,7 +274,8 @@ def _shared(now: Parameters, mine: Solid, least: dict[int, float], more: Load) -
     nearest solid: another one may hang in the air.
     """
     centers, (force, torque) = now.boundary.centers, more
-    nearest = min((gap for owner, gap in least.items() if owner >= 2 * now.dimension), default=np.inf) * (1.0 + 1e-9)
+    nearest = min((gap for owner, gap in least.items() if owner >= 2 * now.dimension), default=np.inf)
+    nearest += 1e-9 * abs(nearest)  # solids may overlap: their gap is negative
     weight = {
         owner: share
         for owner, gap in least.items()
