@@ -136,6 +136,15 @@ def test_the_color_bar_and_the_scale_bar_carry_units(scene, frames):
     assert "10 mm" in [text.get_text() for text in surface.texts]
 
 
+def test_a_surface_without_menisci_has_no_color_bar(scene, frames):
+    flat = dataclasses.replace(
+        scene,
+        interaction=dataclasses.replace(scene.interaction, law="none"),
+        dish=dataclasses.replace(scene.dish, law="none"),
+    )
+    assert len(Bowl(flat, frames, SIZE).figure.axes) == 1
+
+
 def test_the_scale_bar_is_as_long_as_it_says(scene, frames):
     bowl = Bowl(scene, frames, SIZE)
     axes = bowl.figure.axes[0]

@@ -131,7 +131,8 @@ class Bowl(Picture):
             moving += [*self.bars, self.time]
             lowest, highest = float(np.min(heights)), float(np.max(heights))
             shown = min(lowest, 0.0) * self.scale.factor, max(highest, 0.0) * self.scale.factor
-            _height_bar(axes, self.colors, shown, self.scale, tall=0.92 if len(kinds) < 2 else 0.6)
+            if shown[0] < shown[1]:  # a surface without menisci has one color
+                _height_bar(axes, self.colors, shown, self.scale, tall=0.92 if len(kinds) < 2 else 0.6)
             labels(axes, scene.title, kinds)
         self.layers = Layers(self.figure, moving)
         self.show(sample[0])
@@ -243,9 +244,8 @@ def _height_bar(axes: Axes, colors: ScalarMappable, shown: tuple[float, float], 
     width = DPI * figure.get_size_inches()[0]
     place = figure.add_axes((box.x1 + 40 / width, box.y0 + 0.04 * box.height, 18 / width, tall * box.height))
     bar = figure.colorbar(colors, cax=place)
-    if shown[0] < shown[1]:  # a surface without menisci has one color
-        place.set_ylim(*shown)
-    bar.set_ticks(height_ticks(colors.norm, shown) if shown[0] < shown[1] else [0.0])
+    place.set_ylim(*shown)
+    bar.set_ticks(height_ticks(colors.norm, shown))
     place.yaxis.set_major_formatter("{x:g}")
     place.minorticks_off()
     place.grid(visible=False)
