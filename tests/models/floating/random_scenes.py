@@ -1,12 +1,16 @@
-"""Random scenes of floats, drawn from what users draw.
+"""Random scenes of floats, drawn from what users draw, that run to their ends.
 
-`python -m tests.models.floating.random_scenes 0 2800 200` runs those of 2,800 seeds, some 200 steps each.
+`python -m tests.models.floating.random_scenes 0 2800 24` runs 2,800 seeds, each for some 24 steps. A scene fails
+if `check` calls its time step good and it diverges, ends with an error, leaves a number that is not finite, or breaks
+an invariant of the model, such as that of the energy. Most scenes are combinations of options that no other has: they
+take half a second without compilation (`NUMBA_DISABLE_JIT=1`), and much longer with it.
 """
 
 from __future__ import annotations
 
 import math
 import sys
+import traceback
 import warnings
 from collections import Counter
 
@@ -15,28 +19,36 @@ import numpy as np
 from ecume.errors import Diverged, EcumeError, SceneError
 from ecume.models import MODELS
 from ecume.models.floating.time_integration.step_size import good_step
+from ecume.models.invariants import NumberHistory, with_own
 from ecume.scenes.schema import from_plain
-from ecume.simulation import simulate
+from ecume.simulation import moments
+from tests.contracts.float_options import shorten_tables
 
 LENGTH = 2.7e-3
 """m: the capillary length of water."""
 
 
 def drawn(seed, steps=200):
-    """A scene whose time step is the default one: some hundred steps of it. None where the draw is refused."""
+    """A scene whose time step is the default one, some hundred steps of it, and the laws of the user in it. None where
+    the draw is refused.
+    """
     dice = np.random.default_rng(seed)
     plain = draw(dice)
+    laws = add_options(dice, plain) if dice.random() < 0.6 else []
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
             scene = from_plain(plain)
             good = min(good_step(MODELS["floating"].parameters(scene), scene), 1e3)
-            plain |= {"frame_every": 0.25 * steps * good, "duration": steps * good}
-            scene = from_plain(plain)
-            MODELS["floating"].parameters(scene)
+            scene = from_plain(plain | {"frame_every": 0.25 * steps * good, "duration": steps * good})
+            # In a growing flow the default step depends on the duration, too.
+            many = 4 * MODELS["floating"].parameters(scene).steps_per_frame / steps
+            if many > 2.0:
+                good /= many
+                scene = from_plain(plain | {"frame_every": 0.25 * steps * good, "duration": steps * good})
     except SceneError:
         return None
-    return scene
+    return scene, laws
 
 
 def draw(dice):
@@ -164,32 +176,220 @@ def move(dice, plain, radius, slow, shaped):
         water["added_mass"] = True
 
 
+def well(distance, parameters):
+    """A force between two floats (N) that binds them weakly at a distance of three radii."""
+    radius = 0.5 * (parameters.radius_i + parameters.radius_j)
+    apart = distance / radius - 3.0
+    return -1e-3 * parameters.surface_tension * radius * apart * math.exp(-apart * apart)
+
+
+def add_options(dice, plain):
+    """Add two further options; returns the laws of the user."""
+    laws = []
+    for option in sorted(dice.choice(len(OPTIONS), 2, replace=False)):
+        OPTIONS[option](dice, plain, laws)
+    return laws
+
+
+def powers(dice, low, high):
+    """A number between two powers of ten."""
+    return float(10.0 ** dice.uniform(low, high))
+
+
+def largest_radius(plain):
+    """The largest radius of a scene (m)."""
+    return max(one["radius"] for one in [*plain["particles"], *plain["rows"]])
+
+
+def add_waves(dice, plain, laws):
+    """Waves of one or two sources on each float."""
+    radius = largest_radius(plain)
+    sources = [
+        {"place": [float(dice.uniform(-0.5, 0.5)) * radius, 0.0], "force": 72e-6 * radius * powers(dice, -1.0, 2.0)}
+        for _ in range(int(dice.integers(1, 3)))
+    ]
+    plain["waves"] = {"frequency": float(dice.uniform(20.0, 300.0)), "sources": sources}
+
+
+def add_field(dice, plain, laws):
+    """A magnetic field that may oscillate or rotate."""
+    parts = dice.choice([0.0, 1e-3, 5e-3], (2, 3)).tolist()
+    plain["magnetic_field"] = {
+        "constant": parts[0], "amplitude": parts[1], "frequency": float(dice.uniform(0.1, 20.0)),
+        "phase": [0.0, 0.5 * math.pi, 0.0], "susceptibility": float(dice.choice([0.0, 1.0, 1e5])),
+    }  # fmt: skip
+
+
+def add_surfactant(dice, plain, laws):
+    """Floats that release surfactant."""
+    plain["surfactant"] = {
+        "diffusivity": powers(dice, -7.0, -4.0), "tension_slope": powers(dice, -1.0, 1.0),
+        "loss_rate": float(dice.choice([0.0, 1.0])), "sources": [{"release": powers(dice, -15.0, -11.0)}],
+    }  # fmt: skip
+
+
+def add_barrier(dice, plain, laws):
+    """A moving side of a rectangular dish."""
+    if "dish" in plain and "size" in plain["dish"]:
+        width = plain["dish"]["size"][0]
+        plain["dish"]["barrier"] = {
+            "side": str(dice.choice(["left", "right"])), "start": 0.02 * width, "stop": 0.1 * width,
+            "velocity": float(dice.choice([0.01, 0.1, 1.0])) * largest_radius(plain),
+        }  # fmt: skip
+
+
+def add_polygon(dice, plain, laws):
+    """A dish with corners."""
+    if "dish" in plain and "radius" in plain["dish"]:
+        far = 2.0 * plain["dish"].pop("radius")
+        turn = 2.0 * math.pi / int(dice.integers(3, 7))
+        corners = np.arange(round(2.0 * math.pi / turn)) * turn
+        plain["dish"]["vertices"] = (far * np.column_stack([np.cos(corners), np.sin(corners)])).tolist()
+
+
+def add_table_of_flow(dice, plain, laws):
+    """A flow given at nodes."""
+    far = 20.0 * largest_radius(plain)
+    speed = largest_radius(plain) * math.exp(dice.uniform(-2.0, 3.0))
+    parts = (speed * dice.normal(size=(2, 4, 5))).tolist()
+    plain["flow"] = {"nodes": {"low": [-far, -far], "high": [far, far], "vx": parts[0], "vy": parts[1]}}
+
+
+def add_discs(dice, plain, laws):
+    """Discs instead of spheres."""
+    for one in [*plain["particles"], *plain["rows"]]:
+        if "shape" not in one:
+            one.pop("contact_angle", None)
+            rim = "bottom" if one["density"] < 1000.0 else "top"
+            one["disc"] = {"thickness": 0.4 * one["radius"], "rim": rim, "tilting": bool(dice.random() < 0.5)}
+
+
+def add_sizes(dice, plain, laws):
+    """Floats of several sizes."""
+    for one in plain["particles"]:
+        if "shape" not in one and "positions" not in one:
+            kind = str(dice.choice(["normal", "lognormal", "uniform"]))
+            one["radius"] = {"distribution": kind, "mean": one["radius"], "spread": float(dice.uniform(0.01, 0.3))}
+
+
+def add_method(dice, plain, laws):
+    """Another sum or law of the attraction."""
+    plain["interaction"] |= [
+        {"method": "multipole", "order": 2}, {"summation": "grid"}, {"precision": "single"}, {"law": "none"},
+        {"charge": "linear"}, {"law": "one-sided-legacy"},
+    ][int(dice.integers(6))]  # fmt: skip
+
+
+def add_theory(dice, plain, laws):
+    """The defaults of another theory."""
+    plain["theory"] = str(dice.choice(["linear", "legacy-2022"]))
+
+
+def add_oil(dice, plain, laws):
+    """A light liquid above the heavy one, or a liquid by its name."""
+    plain["liquid"] = [
+        {"gas_density": float(dice.uniform(700.0, 950.0)), "gas_viscosity": 5e-3, "surface_tension": 0.05},
+        {"name": "water", "temperature": 320.0}, {"gas_density": 1.2, "gas_viscosity": 1.8e-5},
+    ][int(dice.integers(3))]  # fmt: skip
+
+
+def add_well(dice, plain, laws):
+    """A law of the user that binds floats."""
+    laws.append(well)
+
+
+def add_films(dice, plain, laws):
+    """Films between floats, with the flow of neighbors."""
+    plain["hydrodynamics"] |= {
+        "interaction": "rotne-prager",
+        "lubrication": {"roughness": 1e-3 * largest_radius(plain)},
+    }
+    plain["integration"]["integrator"] = "overdamped"
+
+
+def add_memory(dice, plain, laws):
+    """A random force with memory, beside what else moves floats."""
+    push = 3.0 * math.pi * 1e-3 * largest_radius(plain) ** 2 * math.exp(dice.uniform(-1.0, 4.0))
+    active = {"force": push, "persistence": powers(dice, -3.0, 1.0), "torque": float(dice.choice([0.0, 1e-20]))}
+    plain["activity"] = plain.get("activity", {}) | active
+
+
+def add_weight(dice, plain, laws):
+    """Another gravity, or none to speak of."""
+    plain["gravity"] = float(dice.choice([0.1, 1.62, 30.0]))
+
+
+OPTIONS = (
+    add_waves, add_field, add_surfactant, add_barrier, add_polygon, add_table_of_flow, add_discs, add_method,
+    add_theory, add_oil, add_well, add_films, add_memory, add_weight, add_sizes,
+)  # fmt: skip
+"""In the order in which they are added: the last one makes tables of the radii."""
+
+
+def judged_good(scene):
+    """Whether `check` calls the time step of a scene good."""
+    return any(name == "time step" and said.startswith("good") for name, _, said in MODELS["floating"].summary(scene))
+
+
+def broken(scene, laws):
+    """The first fault of a run to its end: a number that is not finite, or an invariant that is broken; or None."""
+    rules, first, least, largest = None, None, None, None
+    for moment in moments(scene, extra_laws=laws):
+        if moment.frame is None:
+            continue
+        if not all(np.isfinite(moment.frame.arrays[name]).all() for name in ("position", "velocity")):
+            return "not finite"
+        rules = rules or MODELS["floating"].invariants(scene, moment.parameters)
+        now = with_own(moment.frame.numbers) | {"step": float(moment.taken)}
+        first, least, largest = first or now, least or dict(now), largest or dict(now)
+        for name, number in now.items():
+            least[name], largest[name] = min(least[name], number), max(largest[name], number)
+        for rule in rules:
+            if not (value := rule.value(NumberHistory(first, now, least, largest))) <= rule.limit:
+                return f"invariant {rule.name}: {value:.3g} above {rule.limit:g} at step {moment.taken}"
+    return None
+
+
+REFUSED = ("refused", "refused at the start", "not good")
+"""The outcomes of scenes that do not run."""
+
+
 def outcome(seed, steps=200):
-    """How the run of a random scene ends: "done", "refused", or the message with which it fails."""
-    scene = drawn(seed, steps)
-    if scene is None:
-        return "refused"
-    try:
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore")
-            for frame in simulate(scene):
-                if not np.isfinite(frame.arrays["position"]).all():
-                    return "not finite"
-    except Diverged as error:
-        return str(error)
-    except EcumeError as error:
-        return f"refused: {type(error).__name__}" if isinstance(error, SceneError) else str(error)
-    return "done"
+    """How the run of a random scene ends: "done", one of `REFUSED`, or the message with which it fails."""
+    found = drawn(seed, steps)
+    if found is None:
+        return REFUSED[0]
+    scene, laws = found
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        try:
+            if not judged_good(scene):
+                return REFUSED[2]
+        except SceneError:
+            return REFUSED[1]
+        except Exception:
+            return f"check: {traceback.format_exc(limit=-2)}"
+        try:
+            return broken(scene, laws) or "done"
+        except SceneError:
+            return REFUSED[1]
+        except (Diverged, EcumeError) as error:
+            return f"{type(error).__name__}: {error}"
+        except Exception:
+            return traceback.format_exc(limit=-2)
 
 
 def main(first, last, steps):
-    """Print how many scenes of a range of seeds ran, and those that did not."""
+    """Print how many scenes of a range of seeds ran, and those that did not. Tables of corrected pairs are coarse."""
+    shorten_tables(setattr)
     found = Counter()
     for seed in range(first, last):
         told = outcome(seed, steps)
-        found[told if told in ("done", "refused", "refused: SceneError") else "failed"] += 1
-        if told not in ("done", "refused", "refused: SceneError"):
+        found[told if told in ("done", *REFUSED) else "failed"] += 1
+        if told not in ("done", *REFUSED):
             print(seed, told, flush=True)
+        if (seed + 1 - first) % 50 == 0:
+            print(seed + 1, dict(found), flush=True)
     print(dict(found), flush=True)
 
 
