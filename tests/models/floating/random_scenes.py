@@ -28,13 +28,13 @@ LENGTH = 2.7e-3
 """m: the capillary length of water."""
 
 
-def drawn(seed, steps=200):
-    """A scene whose time step is the default one, some hundred steps of it, and the laws of the user in it. None where
-    the draw is refused.
+def drawn(seed, steps, further):
+    """A scene whose time step is the default one, some steps of it, and the laws of the user in it. Most have this
+    number of `further` options. None where the draw is refused.
     """
     dice = np.random.default_rng(seed)
     plain = draw(dice)
-    laws = add_options(dice, plain) if dice.random() < 0.6 else []
+    laws = add_options(dice, plain, further) if dice.random() < 0.6 else []
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
@@ -183,10 +183,10 @@ def well(distance, parameters):
     return -1e-3 * parameters.surface_tension * radius * apart * math.exp(-apart * apart)
 
 
-def add_options(dice, plain):
-    """Add two further options; returns the laws of the user."""
+def add_options(dice, plain, further):
+    """Add further options; returns the laws of the user."""
     laws = []
-    for option in sorted(dice.choice(len(OPTIONS), 2, replace=False)):
+    for option in sorted(dice.choice(len(OPTIONS), further, replace=False)):
         OPTIONS[option](dice, plain, laws)
     return laws
 
@@ -221,10 +221,16 @@ def add_field(dice, plain, laws):
 
 
 def add_surfactant(dice, plain, laws):
-    """Floats that release surfactant."""
+    """Floats that release surfactant, on a coarse grid."""
+    dish = plain.get("dish", {})
+    if "radius" in dish or "size" in dish:
+        spacing = {"spacing": (dish["radius"] if "radius" in dish else 0.5 * max(dish["size"])) / 12.0}
+    else:
+        spacing = {}
     plain["surfactant"] = {
         "diffusivity": powers(dice, -7.0, -4.0), "tension_slope": powers(dice, -1.0, 1.0),
         "loss_rate": float(dice.choice([0.0, 1.0])), "sources": [{"release": powers(dice, -15.0, -11.0)}],
+        **spacing,
     }  # fmt: skip
 
 
@@ -354,9 +360,9 @@ REFUSED = ("refused", "refused at the start", "not good")
 """The outcomes of scenes that do not run."""
 
 
-def outcome(seed, steps=200):
+def outcome(seed, steps, further=2):
     """How the run of a random scene ends: "done", one of `REFUSED`, or the message with which it fails."""
-    found = drawn(seed, steps)
+    found = drawn(seed, steps, further)
     if found is None:
         return REFUSED[0]
     scene, laws = found
