@@ -123,6 +123,11 @@ CASES: dict[str, Case] = {
             long=True,
         ),
         _case(
+            "hard-discs",
+            "Brownian hard discs: pair distribution, pressure, walls, bound pairs, beside Monte Carlo",
+            long=True,
+        ),
+        _case(
             "walls", "How floats leave and climb the wall of a dish, against SciPy's DOP853", place="floats:wall_rows"
         ),
         _case(
