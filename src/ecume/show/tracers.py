@@ -177,7 +177,7 @@ def wall_hits(frames: Frames, scene: TracersScene) -> Figure:
     names = [name for name in shown[0].numbers if name.startswith("hits_on_wall_")]
     if not names:
         raise BadInput("the scene has no walls; no collisions to draw")
-    if not shown[-1].numbers["hits"]:
+    if not any(shown[-1].numbers[name] for name in names):
         raise BadInput("no wall turned a particle back; no collisions to draw")
     walls = wall_names(scene)
     with style():
