@@ -18,6 +18,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Circle
 from matplotlib.ticker import LogLocator, MaxNLocator, NullFormatter
 from scipy.integrate import solve_ivp
+from scipy.spatial import cKDTree
 
 from ecume.analysis.boxes import box_of
 from ecume.analysis.clusters import (
@@ -78,7 +79,9 @@ MOST_FOR_NO_FIT = 3
 CONTACT = 1e-4
 """How far below the distance of contact a bin begins, over that distance."""
 SHELLS = 12.0
-"""The range of the pair distribution, in mean radii."""
+"""The least range of the pair distribution, in mean radii."""
+SPACINGS = 3.0
+"""The least range of it in distances to the nearest neighbor, of floats that are far apart."""
 
 
 def order(frames: Frames, scene: Any) -> Figure:
@@ -105,6 +108,13 @@ def order(frames: Frames, scene: Any) -> Figure:
     return drawn
 
 
+def _nearest(position: Array) -> float:
+    """The median distance of a particle to its nearest neighbor; zero for one alone."""
+    if len(position) < 2:
+        return 0.0
+    return float(np.median(cKDTree(position).query(position, k=2)[0][:, 1]))
+
+
 def distribution(frames: Frames, scene: Any) -> Figure:
     """The pair distribution: the mean over all frames, beside that of the first. A bin begins at contact."""
     shown = thinned(frames)
@@ -112,9 +122,10 @@ def distribution(frames: Frames, scene: Any) -> Figure:
     radius = float(shown[-1].arrays["radius"].mean())
     # Floats at rest in contact overlap by up to 1e-4 of a radius.
     contact = 2.0 * radius * (1.0 - CONTACT)
-    width = SHELLS * radius / BINS
+    reach = max(SHELLS * radius, SPACINGS * _nearest(shown[-1].arrays["position"]))
+    width = reach / BINS
     below = np.arange(contact, 0.0, -width)[::-1]
-    edges = np.concatenate([[0.0], below[below > 0.0], np.arange(contact + width, SHELLS * radius, width)])
+    edges = np.concatenate([[0.0], below[below > 0.0], np.arange(contact + width, reach, width)])
     edges = edges[edges < region.widest]
     with style():
         drawn = figure()

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.ticker import LogLocator, NullFormatter, StrMethodFormatter
+from matplotlib.ticker import LogLocator, MaxNLocator, NullFormatter, StrMethodFormatter
 
 from ecume.analysis.curves import Curve, Difference, branches, largest_difference
 from ecume.analysis.rheology import (
@@ -423,6 +423,7 @@ def storage_and_loss(frames: Frames, scene: SoftScene) -> Figure:
         scale = scale_for(float(np.abs(stress).max()), unit)
         loops.plot(strain, scale.factor * stress, color=PALETTE[1], linewidth=0.9)
         loops.set(xlabel="strain", ylabel=f"shear stress ({scale.unit})", title=titled("Stress over strain", scene))
+        loops.xaxis.set_major_locator(MaxNLocator(4))  # small strains have long numbers
         frequency = [one for one, _ in found]
         swept = len(found) > 1 and len(set(frequency)) == 1
         across = [answer.amplitude for _, answer in found] if swept else frequency
