@@ -30,8 +30,8 @@ MEASURED_CASES = 4
 measured takes twice the time: what the report counts as run has run.
 """
 MEASURED_SECONDS = 0.5
-"""Processor time of a test of the plain pass that is measured. A loop that takes longer repeats its lines."""
-MEASURED_COMPILATIONS = 300
+"""Processor time of a test that is measured, without compilations. A loop that takes longer repeats its lines."""
+MEASURED_COMPILATIONS = 60
 """Functions whose compilation is measured in a process. All others run the same lines of the compiler, too."""
 
 
@@ -41,9 +41,9 @@ class Measuring:
     def __init__(self):
         self.coverage, self.paused = coverage.Coverage(), set()
         self.coverage.start()
-        if PLAIN_PASS:
-            signal.signal(signal.SIGVTALRM, lambda *_: self.pause("its time is over"))
-        else:
+        signal.signal(signal.SIGVTALRM, lambda *_: self.pause("its time is over"))
+        signal.siginterrupt(signal.SIGVTALRM, False)
+        if not PLAIN_PASS:
             event.register("numba:compile", Compilations(self))
 
     def pause(self, reason):
@@ -57,17 +57,22 @@ class Measuring:
         self.paused.discard(reason)
 
     @contextlib.contextmanager
-    def of_a_test(self, number):
+    def of_a_test(self, item, number):
         """The test is the case of this number of a test."""
         if number > MEASURED_CASES:
             self.pause("enough cases")
-        elif PLAIN_PASS:
-            signal.setitimer(signal.ITIMER_VIRTUAL, MEASURED_SECONDS)
+        elif item.get_closest_marker("plain") is not None and not PLAIN_PASS:
+            self.pause("measured in the plain pass")
+        self.tick()
         yield
-        if PLAIN_PASS:
-            signal.setitimer(signal.ITIMER_VIRTUAL, 0.0)
+        self.tick(0.0)
         for reason in (*self.paused,):
             self.resume(reason)
+
+    def tick(self, seconds=MEASURED_SECONDS):
+        """Measure for this time, counted from now; for 0 without an end."""
+        if not self.paused:
+            signal.setitimer(signal.ITIMER_VIRTUAL, seconds)
 
     def save(self):
         self.coverage.stop()
@@ -84,14 +89,17 @@ class Compilations(event.Listener):
         if threading.current_thread() is threading.main_thread():
             self.begun += 1
             self.depth += 1
-            if self.depth == 1 and self.begun > MEASURED_COMPILATIONS:
-                self.measuring.pause("a compilation")
+            if self.depth == 1:
+                self.measuring.tick(0.0)
+                if self.begun > MEASURED_COMPILATIONS:
+                    self.measuring.pause("a compilation")
 
     def on_end(self, event):
         if threading.current_thread() is threading.main_thread():
             self.depth -= 1
             if self.depth == 0:
                 self.measuring.resume("a compilation")
+                self.measuring.tick()
 
 
 # Where scripts/test asks for it.
@@ -122,7 +130,7 @@ def pytest_runtest_protocol(item):
     """Nothing is measured after the first cases of a test."""
     test = item.nodeid.partition("[")[0]
     seen[test] += 1
-    with contextlib.nullcontext() if MEASURED is None else MEASURED.of_a_test(seen[test]):
+    with contextlib.nullcontext() if MEASURED is None else MEASURED.of_a_test(item, seen[test]):
         return (yield)
 
 
