@@ -22,10 +22,11 @@ from typing import Any, NamedTuple
 
 from timed_runs import machine
 
-from ecume._quick import parser_of, sized
+from ecume._quick import WORD, parser_of, sized
 
 PACKAGE = Path(__file__).parents[1] / "src" / "ecume"
 SCENES = sized(("cereal-bowl", "t1", "sheared-packing", "dam-break"), ("bouncing-particles",))
+STEPS = sized(1, 0)
 
 
 class Edit(NamedTuple):
@@ -63,7 +64,7 @@ class Compiled(NamedTuple):
 
 
 def record(scene: str, place: str) -> None:
-    """Compile a scene to its first step, and write what was compiled."""
+    """Compile a scene to its first step, or frame in the small size, and write what was compiled."""
     import time
 
     from numba.core import event
@@ -96,7 +97,7 @@ def record(scene: str, place: str) -> None:
     event.register("numba:compile", Listener())
     _parts.DiskCache.save_overload = noted  # type: ignore[method-assign]
     run = moments(load_scene(Path(_parts.PACKAGE) / "templates" / f"{scene}.toml"))
-    while next(run).step == 0:
+    while next(run).step < STEPS:
         pass
     Path(place).write_bytes(pickle.dumps([tuple(one) for one in found]))
 
@@ -125,6 +126,7 @@ def derive(place: str) -> None:
 def run(copy: Path, *words: str) -> str:
     """The output of this script in a process with another copy of the package."""
     environment = {**os.environ, "PYTHONPATH": str(copy.parent), "ECUME_CACHE_DIR": str(copy.parent / "compiled")}
+    words = (*words, *sized((), (WORD,)))
     done = subprocess.run([sys.executable, __file__, *words], env=environment, capture_output=True, text=True)
     if done.returncode:
         sys.exit(done.stderr)
@@ -166,8 +168,8 @@ def tabulate(scene: str, copy: Path) -> None:
 
 if __name__ == "__main__":
     if sys.argv[1:2] == ["record"]:
-        record(*sys.argv[2:])
+        record(*sys.argv[2:4])
     elif sys.argv[1:2] == ["derive"]:
-        derive(*sys.argv[2:])
+        derive(sys.argv[2])
     else:
         main()

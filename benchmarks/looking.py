@@ -62,7 +62,7 @@ def page() -> None:
         if QUICK and browser_program() is None:
             print("not opened: no Chromium here")
             return
-        for width, height in ((1100, 700), (1920, 1080)):
+        for width, height in sized(((1100, 700), (1920, 1080)), ((1100, 700),)):
             opening, rate = in_browser(made.path.resolve().as_uri(), width, height)
             print(
                 f"{width} x {height}: first picture after {opening:.2f} s (2), then {rate:.0f} a second (20)",

@@ -67,7 +67,7 @@ def equilibrium() -> Figure:
     drawn = figure(9.0, 3.6)
     left, right = drawn.subplots(1, 2)
     _floating_sphere(left, sphere_of(1.0, 1.5, RIGHT))
-    bonds = np.geomspace(1e-2, 1.2, 40)
+    bonds = np.geomspace(1e-2, 1.2, sized(40, 5))
     for theory, color in THEORIES.items():
         slopes = [flotation.equilibrium(sphere_of(bond, 1.5, RIGHT), WATER, theory).slope_angle for bond in bonds]
         wide = {"linewidth": 4.0, "alpha": 0.4} if theory == "nonlinear" else {}
@@ -112,7 +112,7 @@ def sinking() -> Figure:
     """The largest density that floats, over the Bond number."""
     drawn = figure(6.4, 4.0)
     axes = drawn.add_subplot()
-    bonds = np.geomspace(0.01, 10.0, 60)
+    bonds = np.geomspace(0.01, 10.0, sized(60, 6))
     for degrees, color in zip((30, 60, 90, 120, 150), PALETTE, strict=False):
         angle = math.radians(degrees)
         limits = [flotation.sinking_density_ratio(bond, angle) for bond in bonds]

@@ -9,6 +9,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Circle
 from scipy.special import k1
 
+from ecume._quick import sized
 from ecume.laws import pair_laws
 from ecume.models import MODELS
 from ecume.models.floating.forces import ewald_grid
@@ -26,8 +27,8 @@ SCENE = (
     'model = "floating"\nduration = 1.0\nframe_every = 1.0\n{beads}[integration]\nintegrator = "overdamped"\n'
     '[interaction]\nsummation = "grid"\naccuracy = {accuracy}\n'
 )
-ASKED = np.array([1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8])
-COUNT = 3000
+ASKED = np.array(sized([1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8], [1e-2, 1e-4]))
+COUNT = sized(3000, 300)
 PROBED = 100
 """Floats whose forces are compared with a direct sum."""
 
@@ -77,7 +78,7 @@ def crowds() -> Figure:
         left.loglog(ASKED, errors[:, 1], "s", color=PALETTE[1], label="charges of one sign")
         left.set(xlabel="specified accuracy", ylabel="r.m.s. error / r.m.s. force")
         left.legend(fontsize=8)
-        counts = np.geomspace(1e3, 1e6, 13)
+        counts = np.geomspace(1e3, 1e6, sized(13, 3))
         for color, radius, coverage in ((PALETTE[0], 0.007, 0.15), (PALETTE[1], 0.007, 0.5), (PALETTE[2], 0.1, 0.5)):
             work = np.array([counted_work(int(count), radius, coverage) for count in counts])
             right.loglog(counts, work[:, 0], "--", color=color)

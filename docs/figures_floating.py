@@ -8,6 +8,7 @@ from collections.abc import Callable
 import numpy as np
 from matplotlib.figure import Figure
 
+from ecume._quick import sized
 from ecume.laws import capillarity, drag, flotation, immersion, meniscus, multipole
 from ecume.show.style import INK, MUTED, PALETTE, figure
 
@@ -20,7 +21,7 @@ def bodies() -> Figure:
     """Charges of four kinds of bodies in the linear theories, over the nonlinear ones."""
     drawn = figure(9.0, 3.8)
     left, right = drawn.subplots(1, 2)
-    sizes = np.geomspace(0.03, 1.0, 25)
+    sizes = np.geomspace(0.03, 1.0, sized(25, 3))
     for (name, body), color in zip(KINDS.items(), PALETTE, strict=False):
         exact = np.array([flotation.equilibrium(body(size * L), WATER).charge for size in sizes])
         linear = np.array([flotation.equilibrium(body(size * L), WATER, "linear").charge for size in sizes])
@@ -31,7 +32,7 @@ def bodies() -> Figure:
     left.set(xscale="log", xlabel="radius / L", ylabel="error of the charge (%)", ylim=(-20, 40))
     left.set_title("Linear (dashed) and closed form (solid)")
     left.legend()
-    loads = np.linspace(0.0, 1.0, 60)[1:]
+    loads = np.linspace(0.0, 1.0, sized(60, 4))[1:]
     for size, color in zip((0.3, 1.0, 3.0), PALETTE, strict=False):
         most = flotation.nonspherical.greatest_rim_load(size * L, WATER)
         slopes = [flotation.equilibrium(flotation.Disc(size * L, 0.9999 * part * most), WATER) for part in loads]

@@ -12,6 +12,7 @@ from matplotlib.patches import Circle
 from scipy.special import k0, k1
 from studies import rifts as rift_study
 
+from ecume._quick import sized
 from ecume.laws import flotation, multipole
 from ecume.scenes.load import load_scene
 from ecume.show.style import HEIGHT_COLORS, INK, MUTED, PALETTE, figure, style
@@ -27,7 +28,7 @@ def beyond_superposition() -> Figure:
     with style():
         drawn = figure(9.6, 4.0)
         left, right = drawn.subplots(1, 2)
-        gaps = np.geomspace(3e-3, 3.0, 40)
+        gaps = np.geomspace(3e-3, 3.0, sized(40, 3))
         cases = (
             ("spheres, θ = 60°, a = 0.3 L", flotation.Sphere(0.3, 1500.0, math.radians(60.0)), PALETTE[1], "-"),
             ("spheres, θ = 90°, a = 0.3 L", flotation.Sphere(0.3, 1500.0, 0.5 * math.pi), PALETTE[2], "-"),
@@ -68,7 +69,7 @@ def _raft(axes: object) -> None:
     assert isinstance(axes, Axes)  # noqa: S101  # for the type checker
     disc, places = flotation.Disc(0.5, 0.01), hexagon(1.1)
     found = multipole.solve(places, [disc] * 7, UNIT, 20)
-    side = np.linspace(-2.6, 2.6, 260)
+    side = np.linspace(-2.6, 2.6, sized(260, 26))
     x, y = np.meshgrid(side, side)
     heights = multipole.height(found, x, y) / (_charge(disc) * k0(0.5))
     largest = float(np.abs(heights).max())
@@ -91,7 +92,7 @@ def levels() -> Figure:
     with style():
         drawn = figure(9.6, 3.8)
         left, right = drawn.subplots(1, 2)
-        gaps = np.geomspace(0.01, 3.0, 24)
+        gaps = np.geomspace(0.01, 3.0, sized(24, 3))
         for label, body, color in (
             ("discs, a = 0.1 L", flotation.Disc(0.1, 1e-4), PALETTE[0]),
             ("discs, a = L", flotation.Disc(1.0, 1e-4), PALETTE[4]),

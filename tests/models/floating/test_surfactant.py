@@ -35,6 +35,8 @@ CELL = "[cell]\nsize = [0.06, 0.06]\n"
 FIELD = "diffusivity = 1e-4\ntension_slope = 10.0\nloss_rate = 5.0\nspacing = 5e-4\n"
 ALONE = '[interaction]\nlaw = "none"\n'
 STOKES = '[hydrodynamics]\ndrag = "stokes"\n'
+SEEDS = [*range(7), pytest.param(7, marks=pytest.mark.uncompiled)]
+"""Nothing else compiles the last combination, for ten seconds; surfactant, dishes and flows are in the others."""
 
 
 def boats(places, *, release=2e-7, field=FIELD, around=CELL, velocity="[0.0, 0.0]", rest=ALONE + STOKES, step=2e-3,
@@ -179,7 +181,7 @@ def random_scene(seed):
     return scene, drop
 
 
-@pytest.mark.parametrize("seed", range(8))
+@pytest.mark.parametrize("seed", SEEDS)
 def test_the_mass_of_surfactant_is_kept_to_rounding_and_is_nowhere_negative(seed):
     scene, _ = random_scene(seed)
     first, *_, last = list(simulate(scene))
@@ -195,7 +197,7 @@ def test_the_mass_of_surfactant_is_kept_to_rounding_and_is_nowhere_negative(seed
     assert state.concentration.min() >= 0.0
 
 
-@pytest.mark.parametrize("seed", range(8))
+@pytest.mark.parametrize("seed", SEEDS)
 def test_the_free_energy_of_surfactant_is_released_lost_carried_and_dissipated(seed):
     scene, _ = random_scene(seed)
     frames = list(simulate(scene))
@@ -258,7 +260,7 @@ def test_surfactant_of_a_flow_that_varies_is_carried_at_its_times(tmp_path, monk
     assert place - 0.021 == pytest.approx(0.5 * 0.05 * 0.1, rel=1e-3)
 
 
-@pytest.mark.parametrize("seed", range(8))
+@pytest.mark.parametrize("seed", SEEDS)
 def test_half_a_run_and_half_a_run_are_a_run_with_surfactant(seed):
     scene, _ = random_scene(seed)
     ends = [advanced(scene, *parts)[1] for parts in ((12,), (7, 5))]
