@@ -90,6 +90,19 @@ def test_a_finer_mesh_has_the_same_flow(monkeypatch):
     assert np.abs(coarse - fine).max() < 0.01 * 0.2
 
 
+@pytest.mark.parametrize("seed", [6, 36])
+def test_polygons_with_sides_of_very_different_lengths_have_a_mesh(seed):
+    rng = np.random.default_rng(seed)
+    angles = np.sort(rng.uniform(0.0, 6.283, int(rng.integers(3, 7))))
+    body = [1.0, 0.5] + rng.uniform(0.05, 0.3) * np.column_stack([np.cos(angles), np.sin(angles)])
+    sides = np.linalg.norm(np.roll(body, -1, axis=0) - body, axis=1)
+    assert sides.min() < 0.02 * sides.max()
+    nodes, triangles = obstacle_flows.mesh_of((0.0, 0.0), (2.0, 1.0), [body])
+    (ax, ay), (bx, by) = np.moveaxis(nodes[triangles[:, 1:]] - nodes[triangles[:, :1]], (1, 2), (0, 1))
+    hole = 0.5 * np.sum(body[:, 0] * np.roll(body[:, 1], -1) - np.roll(body[:, 0], -1) * body[:, 1])
+    assert 0.5 * np.abs(ax * by - ay * bx).sum() == pytest.approx(2.0 - hole, rel=1e-12)
+
+
 @pytest.mark.compiled
 def test_tracers_pass_obstacles_and_keep_their_density():
     """A uniform suspension of tracers stays uniform: none is held, and none is missing behind an obstacle."""

@@ -33,6 +33,10 @@ GROWTH = 0.3
 """The growth of edge lengths per distance from obstacles."""
 CLOSEST = 0.02
 """The narrowest gap that is resolved, over the width of the channel."""
+SHORT = 0.5
+"""The edges of a side, over those of another, below which the others near it are shorter, too."""
+SAMPLES = 400
+"""The points of a side at which the distance of its nodes is evaluated."""
 SMOOTHING = 12
 """The number of rounds in which inner nodes move to the mean of their neighbors."""
 PENALTY = 1e7
@@ -205,16 +209,47 @@ def _require_gaps(frame: Array, outlines: list[Array], least: float) -> None:
 
 
 def _divided(outline: Array, longest: float, own: Array, outlines: list[Array]) -> Array:
-    """The outline with further nodes on long edges: at least 24 in all, and closer ones near other outlines."""
-    rest = _segments([each for each in outlines if each is not own])
-    around = float(np.sqrt(((np.roll(outline, -1, axis=0) - outline) ** 2).sum(axis=1)).sum())
-    found = []
-    for a, b in zip(outline, np.roll(outline, -1, axis=0), strict=True):
+    """The outline with further nodes on long edges: at least 24 in all, and closer ones near other outlines and near
+    far shorter edges.
+    """
+    rest, sides = _segments([each for each in outlines if each is not own]), _segments([outline])
+    lengths = np.sqrt(((sides[:, 1] - sides[:, 0]) ** 2).sum(axis=1))
+    spacings = []
+    for (a, b), side in zip(sides, lengths, strict=True):
         gap = float(_distance(np.array([a, 0.5 * (a + b), b]), rest).min()) if len(rest) else math.inf
-        edge = min(longest, around / 24.0, 0.7 * gap)
-        count = max(1, math.ceil(float(np.hypot(*(b - a))) / edge * (1.0 - 1e-9)))
-        found.append(a + (b - a) * np.arange(count)[:, None] / count)
-    return np.concatenate(found)
+        edge = min(longest, float(lengths.sum()) / 24.0, 0.7 * gap)
+        spacings.append(float(side) / max(1, math.ceil(float(side) / edge * (1.0 - 1e-9))))
+    return np.concatenate(
+        [_graded(side, spacing, (sides, np.array(spacings))) for side, spacing in zip(sides, spacings, strict=True)]
+    )
+
+
+def _graded(side: Array, spacing: float, every: tuple[Array, Array]) -> Array:
+    """Nodes along a side, without its end: at equal distances, but closer near sides with far shorter edges; every =
+    (sides, their spacings).
+    """
+    (a, b), (sides, spacings) = side, every
+    short = spacings < SHORT * spacing
+    if not short.any():
+        count = round(float(np.hypot(*(b - a))) / spacing)
+        return np.asarray(a + (b - a) * np.arange(count)[:, None] / count)
+    along = np.linspace(0.0, 1.0, SAMPLES)
+    places = a + along[:, None] * (b - a)
+    size = np.full(len(along), spacing)
+    for other, edge in zip(sides[short], spacings[short], strict=True):
+        size = np.minimum(size, edge + GROWTH * _distance(places, other[None]))
+    return _spread(side, along, size)
+
+
+def _spread(side: Array, along: Array, size: Array, least: int = 1) -> Array:
+    """Nodes along a side, `least` or more without its end, at distances given by `size` at the parts `along` of it."""
+    a, b = side
+    density = float(np.hypot(*(b - a))) / size
+    total = np.concatenate([[0.0], np.cumsum(0.5 * (density[1:] + density[:-1]) * np.diff(along))])
+    count = max(least, math.ceil(total[-1]))
+    share = np.interp(np.arange(count) / count * total[-1], total, along)
+    found: Array = a + share[:, None] * (b - a)
+    return found
 
 
 def _size(places: Array, segments: Array, width: float) -> Array:
@@ -236,13 +271,9 @@ def _border(frame: Array, size: Any, *, periodic: bool) -> Array:
     those on the left have the heights of those on the right.
     """
     found = []
-    for a, b in zip(frame, np.roll(frame, -1, axis=0), strict=True):
-        along = np.linspace(0.0, 1.0, 400)
-        density = float(np.hypot(*(b - a))) / size(a + along[:, None] * (b - a))
-        total = np.concatenate([[0.0], np.cumsum(0.5 * (density[1:] + density[:-1]) * np.diff(along))])
-        count = max(2, math.ceil(total[-1]))
-        share = np.interp(np.arange(count) / count * total[-1], total, along)
-        found.append(a + share[:, None] * (b - a))
+    along = np.linspace(0.0, 1.0, SAMPLES)
+    for side in _segments([frame]):
+        found.append(_spread(side, along, size(side[0] + along[:, None] * (side[1] - side[0])), least=2))
     if periodic:
         inner = found[1][:0:-1]
         found[3] = np.concatenate([frame[3:], np.stack([np.full(len(inner), frame[0, 0]), inner[:, 1]], axis=1)])
