@@ -25,9 +25,11 @@ RUNNER = f"{CASES}runner"
 NOT_TIMED = re.compile(r"ecume(\.(cli(\..*)?|_version|made_from))?$|ecume_validation$")
 """Modules without influence on numbers and times, apart from that of their imports."""
 NO_NUMBERS = re.compile(
-    r"ecume_lammps(\..*)?$|ecume\.(?:_cache|(citing|run|show|trajectories)(\..*)?|models\.(costs|expected_events|gravity|size_report)|scenes\.(faults|templates)|.*\.(check_report|first_contact))$"
+    r"ecume_lammps(\..*)?$|ecume\.(?:_cache|(citing|run|show|trajectories)(\..*)?|models\.(costs|expected_events|gravity|size_report)|scenes\.(faults|starts|templates)|.*\.(check_report|first_contact))$"
 )
-"""Modules without influence on the numbers of cases: they draw, store, print, copy scenes, or say what is wrong."""
+"""Modules without influence on the numbers of cases: they draw, store, print, copy scenes, say what is wrong, or read
+files of other programs, which no case does.
+"""
 OF_A_MODEL = re.compile(r"ecume\.(?:models|scenes)\.(floating|soft|sph|tracers)(?:\..*)?$")
 MODELS = frozenset({"floating", "soft", "sph", "tracers"})
 QUOTED = re.compile(r"\"([\w-]+)\"")

@@ -574,3 +574,23 @@ def test_a_mass_per_depth_is_of_liquid_in_two_dimensions_only(folder: Path) -> N
     assert faults(
         folder, TRACERS.format(file="start.gsd", height="").replace('"1 s" }', '"1 s", mass_unit = "1 kg/m" }')
     ) == ["start_from.mass_unit: got a mass per length; expected a mass as in '1 mg', of spheres"]
+
+
+PERIODIC = TRACERS.replace("tank = {{", 'tank = {{ periodic = ["x", "y"],')
+TILTED = "ITEM: TIMESTEP\n0\nITEM: NUMBER OF ATOMS\n2\nITEM: BOX BOUNDS {}\nITEM: ATOMS type x y z\nA {} 2 0\nB 5 2 0\n"
+
+
+@pytest.mark.parametrize(
+    ("bounds", "x", "fault"),
+    [
+        ("xy xz yz pp pp pp\n0 25 5\n-5 5 0\n-1 1 0", "1", "has a box tilted by 0.005 m"),
+        ("pp pp pp\n0 20\n-5 5\n-1 1", "1e300", "positions[0][0]: got"),
+    ],
+)
+def test_a_tilted_box_and_lost_positions_are_refused_in_a_periodic_tank(
+    folder: Path, bounds: str, x: str, fault: str
+) -> None:
+    (folder / "start.dump").write_text(TILTED.format(bounds, x))
+    scene = PERIODIC.replace("density = 1000 }}", 'density = 1000, radius = "0.5 mm" }}')
+    found = faults(folder, scene.format(file="start.dump", height=""))
+    assert any(fault in one for one in found), found

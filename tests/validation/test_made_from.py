@@ -57,6 +57,14 @@ def edit(path, old, new):
     path.write_text(text.replace(old, new, 1), encoding="utf-8")
 
 
+def test_no_case_starts_from_a_file_of_another_program():
+    """`scenes.starts` does not count for the digests of cases."""
+    texts = [path.read_text(encoding="utf-8") for path in (ROOT / "src" / "ecume_validation").rglob("*.py")]
+    texts += [path.read_text(encoding="utf-8") for path in (ROOT / "src" / "ecume_validation").rglob("*.toml")]
+    assert len(texts) > 60
+    assert not [text for text in texts if "start_from" in text or "particles_from" in text]
+
+
 def files_of(names, package):
     return [made_from._path(name, package) for name in sorted(names)]
 

@@ -46,6 +46,8 @@ FORMATS = {
 }  # fmt: skip
 """The format of a file, by the end of its name."""
 ANOTHER_FRAME = re.compile(r"(.+)@(-?[0-9]{1,9})")
+FAR = 1e9
+"""The number of sides beyond which positions are no longer moved into a periodic tank: they are faults of a file."""
 ALIKE = 1e-5
 """The relative difference below which sides count as equal, since files hold them in single precision."""
 FLAT = 1e-6
@@ -420,9 +422,7 @@ def require_box(raw: dict[str, Any], start: Start, dimensions: int) -> None:
         raise Inconsistent([(("cell", "volume_fraction"), NO_MEANING)])
     if sides is None:
         return
-    if start.particles.tilt > ALIKE * max(sides):
-        message = f"{start.name} has a box tilted by {start.particles.tilt:.4g} m; expected a rectangular one"
-        raise Inconsistent([((start.key,), message)])
+    _require_rectangular(start)
     size = cell.setdefault("size", list(sides[:dimensions]))
     own = [_length(side) for side in size] if isinstance(size, (list, tuple)) else []
     if len(own) == dimensions and all(own):
@@ -462,11 +462,22 @@ def in_tank(start: Start, periods: Sequence[Period]) -> Start:
     sides, position = start.particles.sides, start.particles.position.copy()
     if sides is None:
         return start
+    if any(axis for axis, _, _ in periods):  # images along y or z are shifted by the tilt
+        _require_rectangular(start)
     for axis, low, high in periods:
         _compare([high - low], sides[axis : axis + 1], ("tank", "high"), start)
         away = np.floor((position[:, axis] - low) / (high - low))
-        position[:, axis] = np.where(away != 0.0, position[:, axis] - away * (high - low), position[:, axis])
+        near = (away != 0.0) & (np.abs(away) < FAR)
+        position[:, axis] = np.where(near, position[:, axis] - away * (high - low), position[:, axis])
     return start._replace(particles=start.particles._replace(position=position))
+
+
+def _require_rectangular(start: Start) -> None:
+    """Raise Inconsistent where the box of a file is tilted."""
+    particles = start.particles
+    if particles.sides is not None and particles.tilt > ALIKE * max(particles.sides):
+        message = f"{start.name} has a box tilted by {particles.tilt:.4g} m; expected a rectangular one"
+        raise Inconsistent([((start.key,), message)])
 
 
 def _compare(own: Sequence[float | None], sides: Sequence[float], path: Path, start: Start) -> None:
