@@ -274,7 +274,7 @@ def test_the_saved_scene_goes_on_from_here(tank):
         mine = getattr(liquid, name)[..., order].T
         assert np.array_equal(first.arrays["species" if name == "region" else name], mine), name
     assert scene.fluid[0].color == "#1f77b4"
-    assert first.numbers["left_position"] == pytest.approx(tank.pushed)
+    assert scene.tank.low[0] == pytest.approx(tank.pushed)
     tank.drag(tank.pushed)
     tank.time = 0.0
     tank.integration.state.ready[0] = 0  # the scene begins with the forces beside a side at rest; here it still moved

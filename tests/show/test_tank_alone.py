@@ -18,9 +18,16 @@ from ecume.scenes.load import load_scene
 from ecume.scenes.templates import folder
 from ecume.show.play.alone import alone, refusal, save_alone
 from ecume.show.play.memory import slots, types_of
-from ecume.show.play.tank import tilting
+from ecume.show.play.tank import Push, Tank, fixed, require_playable, tilting, with_hands
 from ecume.show.play.tank_alone import arguments_in, drops_of, offered_tank, parameters_of, tank_arguments
-from ecume.show.play.tank_steps import advance, lean, put_constant_fields
+from ecume.show.play.tank_steps import (
+    advance,
+    lean,
+    measure_period,
+    measure_wall,
+    push_wall,
+    put_constant_fields,
+)
 from ecume.show.view.page import bundled
 
 SPH = MODELS["sph"]
@@ -100,6 +107,29 @@ def test_liquid_that_flies_about_has_the_bits_of_the_model(seed):
     assert statuses == (DONE, DONE)
     assert state.tally[1] > 0
     assert_same_bits(drops, state)
+
+
+def test_liquid_beside_a_wall_that_hands_push_has_the_bits_of_the_model():
+    """The wall speeds up, turns, and stops; its path is that of `Push`."""
+    scene = scene_of("small-tank", *COARSE)
+    driven = SPH.parameters(with_hands(fixed(scene), 0.0, (0.0, 0.0)))
+    state = SPH.start(scene, driven)
+    basin, drops, room, _ = arguments_in(parameters_of(scene), drops_of(state)).values()
+    put_constant_fields(basin, drops, room)
+    workspace, push, steps, period = SPH.workspace(driven, state, 1.0), Push(), 6, Tank(scene).period
+    for speed in (0.5, 1.0, -0.4, -1.0, 0.0):
+        now, seconds = float(state.clock[0]), steps * driven.time_step
+        push = push.then(now, seconds, speed, min(float(state.clock[1]), now))
+        driven = driven._replace(drives=tuple((side, push.drive()) for side, _ in driven.drives))
+        room.asked[:] = speed, seconds
+        push_wall(basin, drops, room)
+        assert advance(basin, drops, room, steps) == SPH.advance(driven, state, workspace, steps) == DONE
+        measure_wall(basin, drops, room)
+        assert room.answer[0] == push.at(float(state.clock[0])) != 0.0
+        assert_same_bits(drops, state)
+    room.asked[0] = 2.4
+    measure_period(basin, drops, room)
+    assert room.answer[0] == pytest.approx(period, rel=1e-14)
 
 
 @pytest.mark.parametrize(("gone", "status"), [(1, EXCHANGE), (15, EXCHANGE), (16, DONE)])
@@ -260,6 +290,23 @@ def test_hands_pour_scoop_and_tilt_and_the_scene_is_kept(page):
     parameters = SPH.parameters(saved)
     state = SPH.start(saved, parameters)
     assert SPH.advance(parameters, state, SPH.workspace(parameters, state, 1.0), 5) == DONE
+
+
+@pytest.mark.compiled
+@with_node
+def test_a_wave_is_made_and_what_is_pushed_is_saved_as_a_tank_to_play_with(page):
+    """The wall goes and comes back; the tank of the saved scene ends where the wall stands."""
+    now = ["now", {}]
+    made, *seen, dragged, _, pushed, text = asked(
+        page, ["wave", {}], *[now] * 12, ["drag", {"x": 9.0}], *[now] * 2, ["scene", {}]
+    )
+    assert made == dragged == ""
+    assert 0.0 < seen[-1]["wall"] < 0.1 * 2.4
+    assert seen[-1]["wall"] > seen[3]["wall"]
+    saved = load_scene(text)
+    assert saved.tank.low[0] == pushed["wall"] > 0.0
+    assert refusal(saved) == ""
+    require_playable(saved)
 
 
 def test_the_page_of_a_tank_is_small(tmp_path):

@@ -53,6 +53,7 @@ export interface Poured extends Told {
   opened: number; // gates
   wall: number; // how far the left one is pushed
   leaning: number; // rad
+  tilt: number; // rad, which it soon has
 }
 
 /** How four spheres stand now: lengths in radii, forces in F_N, times in eta R^2 / F_N. */

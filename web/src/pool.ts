@@ -4,11 +4,11 @@ import type { Poured } from "./asking";
 import { Memory, type Compiled, type Slot } from "./memory";
 import { answering } from "./worker";
 
-const BUDGET = 24; // ms of the clock between two pictures
+const BUDGET = 28; // ms of the clock between two pictures
 const LONGEST = 0.05; // s of simulated time at once: a machine that is too slow plays in slow motion
 const BATCH = 4; // steps in one call: what a call has made it gives back at its end
-const GRASP = 0.15; // s in which the tank reaches its tilt
-const STILL = 1e-5; // rad from its tilt, within which it has reached it
+const GRASP = 0.15; // s in which the tank reaches its tilt, the wall the hand, and a wall its highest speed
+const STILL = 1e-5; // rad from its tilt, within which it has reached it; of the width, within which the wall is back
 const SOON = 0.2; // s after which liquid that was calmed and breaks again is not worth keeping
 const [DONE, EXCHANGE] = [0, 3];
 const FINEST = 65535;
@@ -25,7 +25,11 @@ interface Liquid {
 interface Basins {
   slots: Slot[][]; // for each number of open gates
   solids: [number, number][][][];
-  scenes: string[]; // TOML without liquid and tilt
+  scenes: [string, string][]; // TOML without liquid and tilt, before and behind the place of the left wall
+  movable: boolean; // whether that wall is
+  hurry: number; // its largest speed, over the maximum speed
+  pushed: number; // its largest displacement, over the width
+  stroke: number; // of a wave, over the width
   liquid: Liquid;
   colors: (string | null)[]; // of the regions
   low: [number, number];
@@ -49,6 +53,9 @@ interface CompiledTank extends Compiled {
   advance(block: number): number;
   gap(block: number): number;
   lean(block: number): number;
+  push(block: number): number;
+  wall(block: number): number;
+  period(block: number): number;
 }
 
 /** The memory of a tank with so many particles. */
@@ -57,8 +64,11 @@ class Basin extends Memory {
     private readonly compiled: CompiledTank,
     slots: Slot[],
     liquid: Liquid,
+    wall: number,
   ) {
     super(compiled, slots, liquid.mass.length);
+    const lines = this.numbersOf("basin.walls.path.lines");
+    lines[lines.length / 2] = wall;
     for (const name of ["position", "velocity"] as const) {
       this.put(`drops.${name}`, [0, 1].flatMap((axis) => liquid[name].map((each) => each[axis])));
     }
@@ -90,6 +100,30 @@ class Basin extends Memory {
     this.call(this.compiled.lean);
   }
 
+  /** Let the left wall reach a speed (m/s) in a time (s). */
+  push(speed: number, seconds: number): void {
+    this.put("room.asked", [speed, seconds]);
+    this.call(this.compiled.push);
+  }
+
+  /** How fast it will be then. */
+  get pace(): number {
+    return this.numbersOf("basin.walls.path.speed")[0];
+  }
+
+  /** How far it is pushed (m). */
+  get wall(): number {
+    this.call(this.compiled.wall);
+    return this.numbersOf("room.answer")[0];
+  }
+
+  /** The period of sloshing in a tank of this width (s). */
+  period(width: number): number {
+    this.put("room.asked", [width]);
+    this.call(this.compiled.period);
+    return this.numbersOf("room.answer")[0];
+  }
+
   /** The acceleration beside gravity (m/s^2). */
   get pull(): number[] {
     return [...this.numbersOf("basin.gravity")].map((each, axis) => each - this.numbersOf("basin.upright")[axis]);
@@ -97,20 +131,36 @@ class Basin extends Memory {
 
   /** The liquid at present, in the order of its numbers. */
   liquid(): Liquid {
-    const mass = this.numbersOf("drops.mass");
-    const numbers = this.wholes("drops.identity");
-    const order = [...numbers.keys()].sort((one, other) => numbers[one] - numbers[other]);
-    const [position, velocity, density] = ["position", "velocity", "density"].map((name) => this.numbersOf(`drops.${name}`));
-    const region = this.wholes("drops.region");
-    const pairs = (of: Float64Array): [number, number][] => order.map((one) => [of[one], of[mass.length + one]]);
-    return {
-      position: pairs(position),
-      velocity: pairs(velocity),
-      density: order.map((one) => density[one]),
-      mass: order.map((one) => mass[one]),
-      region: order.map((one) => region[one]),
-    };
+    return inOrder(this.kept());
   }
+
+  /** The same as it lies there. */
+  kept(): Kept {
+    const [position, velocity, density, mass] = ["position", "velocity", "density", "mass"].map((name) => this.numbersOf(`drops.${name}`).slice());
+    return { position, velocity, density, mass, numbers: this.wholes("drops.identity"), region: this.wholes("drops.region") };
+  }
+}
+
+/** Liquid as it lies in memory, first x of all particles, then y. */
+interface Kept {
+  position: Float64Array;
+  velocity: Float64Array;
+  density: Float64Array;
+  mass: Float64Array;
+  numbers: number[];
+  region: number[];
+}
+
+function inOrder({ position, velocity, density, mass, numbers, region }: Kept): Liquid {
+  const order = [...numbers.keys()].sort((one, other) => numbers[one] - numbers[other]);
+  const pairs = (of: Float64Array): [number, number][] => order.map((one) => [of[one], of[mass.length + one]]);
+  return {
+    position: pairs(position),
+    velocity: pairs(velocity),
+    density: order.map((one) => density[one]),
+    mass: order.map((one) => mass[one]),
+    region: order.map((one) => region[one]),
+  };
 }
 
 class Pool {
@@ -122,6 +172,8 @@ class Pool {
   private pace = 1;
   private tilt = 0;
   private leaning = 0;
+  private aim = 0; // of the wall (m)
+  private waved = -Infinity; // s, when a wave began
   private calmed = -Infinity;
   private coloring: "speed" | "pressure" = "speed";
   private readonly news: string[] = [];
@@ -130,12 +182,12 @@ class Pool {
     private readonly compiled: CompiledTank,
     private readonly told: Basins,
   ) {
-    this.begin(told.liquid);
+    this.begin(told.liquid, 0);
   }
 
-  /** Go on with this liquid. */
-  private begin(liquid: Liquid): void {
-    this.basin = new Basin(this.compiled, this.told.slots[this.opened], liquid);
+  /** Go on with this liquid, and the wall where it is. */
+  private begin(liquid: Liquid, wall = this.basin.wall): void {
+    this.basin = new Basin(this.compiled, this.told.slots[this.opened], liquid, wall);
     this.basin.lean(this.leaning);
   }
 
@@ -153,7 +205,8 @@ class Pool {
     const way = this.tilt - this.leaning;
     this.leaning = Math.abs(way) < STILL ? this.tilt : this.leaning + Math.min(1, (steps * this.timeStep) / GRASP) * way;
     this.basin.lean(this.leaning);
-    const kept = this.basin.liquid();
+    if (this.told.movable) this.pushOn(steps * this.timeStep);
+    const kept = this.basin.kept();
     let taken = 0;
     while (taken < steps && performance.now() - now < BUDGET) {
       const each = Math.min(BATCH, steps - taken);
@@ -163,14 +216,29 @@ class Pool {
     this.pace += 0.1 * ((taken * this.timeStep) / due - this.pace);
   }
 
+  private get width(): number {
+    return this.told.top[0] - this.told.low[0];
+  }
+
+  /** Move the wall toward the hand, or where the wave has it, during a time (s): as `Tank._take_hands` does. */
+  private pushOn(seconds: number): void {
+    const { basin, told } = this;
+    const fastest = told.hurry * told.ends.speed;
+    const phase = (this.time + GRASP - this.waved) / basin.period(this.width);
+    const target = phase > 1 ? this.aim : 0.5 * told.stroke * this.width * (1 - Math.cos(2 * Math.PI * phase));
+    const wanted = limited((target - basin.wall) / GRASP, -fastest, fastest);
+    const more = (fastest * seconds) / GRASP;
+    basin.push(limited(wanted, basin.pace - more, basin.pace + more), seconds);
+  }
+
   /** Take some steps; what breaks is brought to rest where it last was whole. */
-  private go(steps: number, kept: Liquid): boolean {
+  private go(steps: number, kept: Kept): boolean {
     const before = this.basin.steps;
     const status = this.basin.advance(steps);
     if (status === DONE || status === EXCHANGE) this.time += (this.basin.steps - before) * this.timeStep;
     if (status === DONE) return true;
     if (status === EXCHANGE) this.begin(this.without(this.basin.liquid(), this.lost(this.basin.liquid())));
-    else this.calm(kept);
+    else this.calm(inOrder(kept));
     return false;
   }
 
@@ -192,8 +260,8 @@ class Pool {
   }
 
   private anew(): void {
-    [this.opened, this.tilt, this.leaning, this.calmed] = [0, 0, 0, -Infinity];
-    this.begin(this.told.liquid);
+    [this.opened, this.tilt, this.leaning, this.aim, this.waved, this.calmed] = [0, 0, 0, 0, -Infinity, -Infinity];
+    this.begin(this.told.liquid, 0);
   }
 
   private without(liquid: Liquid, gone: boolean[]): Liquid {
@@ -222,7 +290,7 @@ class Pool {
     return {
       time: this.time, speed: this.speed, pace: this.pace, news: this.news,
       places: coded(new Uint8Array(places.buffer)), colors: coded(new Uint8Array(colors.buffer)),
-      coloring, most, solids: told.solids[this.opened], opened: this.opened, wall: 0, leaning: this.leaning,
+      coloring, most, solids: told.solids[this.opened], opened: this.opened, wall: basin.wall, leaning: this.leaning, tilt: this.tilt,
     };
   }
 
@@ -240,7 +308,10 @@ class Pool {
     else if (what === "scoop") return this.scoop(x, y);
     else if (what === "open") return this.open();
     else if (what === "close") return this.close();
-    else if (what === "lean") this.tilt = Math.min(Math.max(Number(asked.angle), -this.told.steepest), this.told.steepest);
+    else if (what === "lean") this.tilt = limited(Number(asked.angle), -this.told.steepest, this.told.steepest);
+    else if ((what === "drag" || what === "wave") && !this.told.movable) return "the left side of this tank is not a movable wall";
+    else if (what === "drag") [this.aim, this.waved] = [limited(x - this.told.low[0], 0, this.told.pushed * this.width), -Infinity];
+    else if (what === "wave") [this.aim, this.waved] = [0, this.time];
     else if (what === "anew") this.anew();
     else if (what === "color" && (asked.name === "speed" || asked.name === "pressure")) this.coloring = asked.name;
     else return "That cannot be done.";
@@ -271,7 +342,7 @@ class Pool {
   private isFree(place: [number, number], taken: [number, number][]): boolean {
     const { told } = this;
     const [apart, edge] = [told.room * told.spacing, 0.5 * told.spacing];
-    const inside = place.every((x, axis) => x > told.low[axis] + edge && x < told.top[axis] - edge);
+    const inside = place.every((x, axis) => x > told.low[axis] + edge + (axis ? 0 : this.basin.wall) && x < told.top[axis] - edge);
     return inside && this.basin.gap(...place) > told.clearance[0] && taken.every(([x, y]) => Math.hypot(x - place[0], y - place[1]) > apart);
   }
 
@@ -336,7 +407,9 @@ class Pool {
     });
     const [right, up] = basin.pull;
     const leans = this.leaning === 0 ? "" : `[base_excitation]\ntimes = [0.0]\naccelerations = [[${right}, ${up}]]\n`;
-    return told.scenes[this.opened] + tables.join("") + leans;
+    const [before, after] = told.scenes[this.opened];
+    const left = told.low[0] + (Math.abs(basin.wall) > STILL * this.width ? basin.wall : 0);
+    return before + left + after + tables.join("") + leans;
   }
 
   /** So many steps at once, and what there is then, for tests: places, and energies as `ecume.models.sph` has them. */
@@ -346,6 +419,10 @@ class Pool {
     for (let taken = 0; taken < steps && status === DONE; taken += BATCH) status = this.basin.advance(Math.min(BATCH, steps - taken));
     return { liquid: this.basin.liquid(), steps: this.basin.steps, seconds: (performance.now() - began) / 1000, status };
   }
+}
+
+function limited(value: number, least: number, most: number): number {
+  return Math.min(Math.max(value, least), most);
 }
 
 function coded(bytes: Uint8Array): string {

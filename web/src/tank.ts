@@ -12,6 +12,8 @@ const TOOLS = ["pour", "scoop"] as const;
 const STRIDE = 0.02; // of the tank's width, by which a key moves the mark
 const MOVES: Record<string, [number, number]> = { a: [-1, 0], d: [1, 0], w: [0, 1], s: [0, -1] };
 
+const PUSHES: Record<string, number> = { e: 1, q: -1 };
+
 function named(text: string): HTMLButtonElement {
   const button = document.createElement("button");
   button.textContent = text;
@@ -22,6 +24,8 @@ class Pool extends Toy<Poured> {
   private readonly canvas = element<HTMLCanvasElement>("canvas");
   private readonly picture = new Picture(this.canvas, basin);
   private readonly leaning = document.createElement("input");
+  private readonly told = document.createElement("output");
+  private leans = 0; // that were asked and not answered
   private tool: string = TOOLS[0];
   private cursor: [number, number] = [(basin.low[0] + basin.high[0]) / 2, 0.8 * basin.high[1]];
   private marked = false;
@@ -49,6 +53,7 @@ class Pool extends Toy<Poured> {
     element("clock").textContent = `${seen.time.toFixed(1)} s · ${count} particles${this.slow(seen)}`;
     element("open").hidden = !seen.solids.length;
     element("close").hidden = !seen.opened;
+    if (!this.leans) this.tiltedBy(seen.tilt / DEGREE);
     this.scale(seen);
   }
 
@@ -101,6 +106,9 @@ class Pool extends Toy<Poured> {
       const stride = STRIDE * (high[0] - low[0]);
       this.cursor = this.cursor.map((x, axis) => Math.min(Math.max(x + stride * MOVES[key][axis], low[axis]), high[axis])) as [number, number];
       this.marked = true;
+    } else if (key in PUSHES && basin.movable) {
+      const stride = STRIDE * (high[0] - low[0]);
+      void this.act("drag", { x: low[0] + (this.seen?.wall ?? 0) + PUSHES[key] * 4 * stride });
     } else if (key === "enter") void this.act(this.tool, { x: this.cursor[0], y: this.cursor[1] });
     else if (key === "i") element("heard").textContent = this.stands();
     else return;
@@ -122,28 +130,35 @@ class Pool extends Toy<Poured> {
       `The mark is at ${this.cursor.map((x) => x.toFixed(2)).join(", ")} m.`;
   }
 
+  /** The slider of the tilt follows a tank that was tilted otherwise: it stands upright when it begins again. */
+  private tiltedBy(degrees: number): void {
+    if (Math.abs(Number(this.leaning.value) - degrees) > 0.01) this.leaning.value = String(degrees);
+    this.told.textContent = `${Number(this.leaning.value).toFixed(1)}°`;
+  }
+
   private tilting(): void {
-    const { leaning } = this;
-    const [row, told] = [document.createElement("label"), document.createElement("output")];
+    const { leaning, told } = this;
+    const row = document.createElement("label");
     const most = basin.steepest / DEGREE;
     Object.assign(leaning, { type: "range", min: -most, max: most, step: 0.5, value: 0 });
     leaning.setAttribute("aria-label", "tilt (degrees)");
-    const lean = (degrees: number): void => {
+    const lean = async (degrees: number): Promise<void> => {
       leaning.value = String(degrees);
-      told.textContent = `${Number(leaning.value).toFixed(1)}°`;
-      void this.act("lean", { angle: Number(leaning.value) * DEGREE });
+      this.tiltedBy(Number(leaning.value));
+      this.leans++;
+      await this.act("lean", { angle: Number(leaning.value) * DEGREE });
+      this.leans--;
     };
-    leaning.addEventListener("input", () => lean(Number(leaning.value)));
-    leaning.addEventListener("dblclick", () => lean(0));
-    element("anew").addEventListener("click", () => lean(0));
+    leaning.addEventListener("input", () => void lean(Number(leaning.value)));
+    leaning.addEventListener("dblclick", () => void lean(0));
     const ways: Record<string, number> = { ArrowLeft: -most / 2, ArrowRight: most / 2 };
     this.canvas.addEventListener("keydown", (event) => {
       this.pressed(event);
       if (!(event.key in ways)) return;
       event.preventDefault();
-      if (!event.repeat) lean(ways[event.key]);
+      if (!event.repeat) void lean(ways[event.key]);
     });
-    this.canvas.addEventListener("keyup", (event) => event.key in ways && lean(0));
+    this.canvas.addEventListener("keyup", (event) => event.key in ways && void lean(0));
     row.append("left or right side down", told, leaning);
     element("tilt").append(row);
   }

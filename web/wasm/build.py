@@ -26,7 +26,7 @@ from numba_wasm import Entry, object_of
 from ecume import _portable
 from ecume._parts import overload
 from ecume.engine import cells, neighbor_rows, root_finding
-from ecume.laws import time_step_limits
+from ecume.laws import time_step_limits, water_waves
 from ecume.models.floating.time_integration.integration import integrate, renew_lists
 from ecume.models.soft import protocol
 from ecume.models.soft.integration import step_control
@@ -97,14 +97,17 @@ def tank() -> dict[str, Any]:
 
 
 def of_tank(arguments: dict[str, Any]) -> list[Entry]:
-    """What the page of a tank calls: its beginning, steps, distances from walls, and tilts."""
-    ecume._jit.admit(cells, neighbor_rows, time_step_limits, tank_state, walls, particle_loops)
+    """What the page of a tank calls: its beginning, steps, distances from walls, tilts, and pushes."""
+    ecume._jit.admit(cells, neighbor_rows, time_step_limits, water_waves, tank_state, walls, particle_loops)
     # Functions of a whole tank once each: written out where they are called they are ten times as much code.
     for name, function in list(vars(tank_steps).items()):
         if isinstance(function, FunctionType) and function.__module__ == tank_steps.__name__:
             setattr(tank_steps, name, ecume._jit.compiled(function))
     kinds = tuple(map(numba.typeof, arguments.values()))
-    parts = {"put": tank_steps.put_constant_fields, "gap": tank_steps.measure_gap, "lean": tank_steps.lean}
+    parts = {
+        "put": tank_steps.put_constant_fields, "gap": tank_steps.measure_gap, "lean": tank_steps.lean,
+        "push": tank_steps.push_wall, "wall": tank_steps.measure_wall, "period": tank_steps.measure_period,
+    }  # fmt: skip
     made = [Entry(name, function, kinds[:-1]) for name, function in parts.items()]
     return [*made, Entry("advance", tank_steps.advance, kinds)]
 

@@ -22,7 +22,7 @@ from ecume._parts import libraries_are_parts
 FEATURES = "+simd128,+bulk-memory,+sign-ext,+nontrapping-fptoint,+mutable-globals"
 """What all browsers have had since 2021."""
 PROVIDED = {
-    "exp", "log", "pow", "sin", "cos", "sqrt", "atan2", "expm1", "log1p", "fmod", "floor", "ceil", "trunc",
+    "exp", "log", "pow", "sin", "cos", "sqrt", "atan2", "expm1", "log1p", "tanh", "fmod", "floor", "ceil", "trunc",
     "memcpy", "memset", "memmove",
 }  # fmt: skip
 """Undefined names that the linker finds in the libraries; those of Python and of Numba's runtime end the module."""

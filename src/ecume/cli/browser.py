@@ -125,8 +125,7 @@ def play(
 
     A bowl: drop and drag floats, tilt the dish, change the liquid. A tank: pour liquid, open a gate, push a wall, tilt.
     A T1 process: change the gap and the forces.
-    A bowl is simulated in the page where its laws are compiled into pages, otherwise by this program; so is a tank,
-    whose walls a page does not move.
+    A bowl or a tank is simulated in the page where its laws are compiled into pages, otherwise by this program.
 
     Ends with Ctrl-C. `save as scene` on the page writes the present state as a scene in TOML.
 
@@ -145,7 +144,7 @@ def play(
     given = scene or (folder() / f"{name}.toml").read_text(encoding="utf-8")
     asked = load_scene(given, [*usual, *(overrides or [])])
     echo("starting; the first start compiles, which can take minutes ...")
-    if asked.model != "sph" and not refusal(asked):
+    if not refusal(asked):
         with served(Written(alone(asked), parts_of(asked))) as address, offered(address, "play; Ctrl-C ends it"):
             _wait()
         return

@@ -603,6 +603,58 @@ def test_sliders_follow_a_bowl_that_begins_again(tab):
         assert tab.complaints == []
 
 
+@pytest.fixture(scope="module")
+def pool(tmp_path_factory):
+    """A page that simulates a tank, opened from the disk."""
+    written = tmp_path_factory.mktemp("pool") / "tank.html"
+    save_alone(load_scene((folder() / "small-tank.toml").read_text(), COARSE), written, 1.0)
+    return written.as_uri()
+
+
+def test_a_tank_in_a_page_is_poured_waved_pushed_and_tilted_and_asks_nobody(tab, pool):
+    tab.goto(pool)
+    tab.wait_for_selector("body[data-drawn]", timeout=30_000)
+    box, few = tab.locator("#canvas").bounding_box(), floats_of(tab)
+    tab.mouse.click(box["x"] + 0.6 * box["width"], box["y"] + 0.3 * box["height"])
+    while floats_of(tab) <= few:
+        tab.wait_for_timeout(50)
+    canvas = tab.locator("#canvas")
+    tab.get_by_role("button", name="make a wave").press("Enter")
+    tab.wait_for_timeout(300)
+    canvas.press("e")
+    tab.get_by_role("button", name="open the gate").press("Enter")
+    tab.wait_for_selector("#close", state="visible")
+    canvas.focus()
+    tab.keyboard.down("ArrowRight")
+    tab.wait_for_selector("#tilt output:has-text('10.0°')")
+    tab.keyboard.up("ArrowRight")
+    tab.locator("#tilt input").fill("-5")
+    canvas.press("i")
+    assert "Gates: 1 open." in tab.inner_text("#heard")
+    with tab.expect_download() as saved:
+        tab.get_by_role("button", name="save as scene").press("Enter")
+    assert load_scene(saved.value.path()).tank.low[0] > 0.0
+    tab.get_by_role("button", name="restart").press("Enter")
+    tab.wait_for_selector("#tilt output:has-text('0.0°')")
+    assert tab.input_value("#tilt input") == "0"
+    assert floats_of(tab) == few
+    assert tab.complaints == []
+    assert [request for request in tab.requests if not request.startswith("blob:")] == [pool]
+
+
+@pytest.mark.skipif(not AXE.exists(), reason="axe-core is not installed: `npm ci` in web/")
+@pytest.mark.parametrize(("scheme", "width", "height"), [("light", 1280, 800), ("dark", 390, 844)])
+def test_axe_finds_no_violation_in_the_page_of_a_tank(browser, pool, scheme, width, height):
+    shown = browser.new_page(viewport={"width": width, "height": height}, color_scheme=scheme)
+    shown.goto(pool)
+    shown.wait_for_selector("body[data-drawn]", timeout=30_000)
+    shown.evaluate(AXE.read_text(encoding="utf-8"))
+    found = shown.evaluate("axe.run()")
+    assert [(one["id"], one["nodes"][0]["html"]) for one in found["violations"]] == []
+    assert len(found["passes"]) > 15
+    shown.close()
+
+
 @pytest.mark.long
 def test_a_tank_is_played_with(tab):
     with played("small-tank", COARSE) as (tank, address):

@@ -344,6 +344,7 @@ class TankPage:
             "opened": tank.opened,
             "wall": tank.pushed,
             "leaning": tank.leaning,
+            "tilt": tank.tilt,
             "news": tank.news,
         }
 

@@ -24,7 +24,7 @@ from ecume.models.sph.setup.choices import acoustic_damping_of, artificial_visco
 from ecume.models.sph.setup.shapes import free_of, solids_of
 from ecume.models.sph.state import make_state
 from ecume.scenes.sph import BaseExcitationSpec, MotionSpec, ObstacleSpec, ParticlesSpec, RegionSpec, SphScene
-from ecume.show.play.tank_steps import tilted
+from ecume.show.play.tank_steps import PIECES, tilted
 from ecume.simulation import Integration
 from ecume.units import Array
 
@@ -32,8 +32,6 @@ MOST = 3000
 """Largest number of particles: with more the motion is too slow to watch."""
 ROOM = 0.8
 """The smallest distance of new liquid from existing liquid, in spacings."""
-PIECES = 8
-"""Straight lines between two looks at the hand: jumps of a wall's speed are bangs in the liquid."""
 KINDS = ("wall", "open", "periodic")
 
 
@@ -213,7 +211,9 @@ HURRY = 0.3
 STEEPEST = math.radians(20.0)
 """The largest tilt of a tank."""
 STILL = 1e-5
-"""The angle (rad) from its tilt within which a tank has reached it: one that is put back does not lean for ever."""
+"""The angle (rad) from its tilt within which a tank has reached it, and the displacement of its wall, over its width,
+within which that is back: what is put back does not stay a little off for ever.
+"""
 SOON = 0.2
 """s after which liquid that was calmed and breaks again is not worth keeping."""
 CALMED = "The liquid went too fast for its time step: it was brought to rest where it stood."
@@ -322,8 +322,14 @@ class Tank:
 
     def present(self) -> SphScene:
         """The present scene, from which a simulation can continue, without actions of the player."""
-        held = self.pushed != 0.0 or self.leaning != 0.0
-        scene = with_hands(self.scene, self.pushed, self._pull) if held else self.scene
+        tank, scene = self.scene.tank, self.scene
+        if abs(self.pushed) > STILL * self.width:
+            scene = dataclasses.replace(
+                scene, tank=dataclasses.replace(tank, low=(tank.low[0] + self.pushed, *tank.low[1:]))
+            )
+        if self.leaning != 0.0:
+            excitation = BaseExcitationSpec(times=(0.0,), accelerations=(self._pull,))
+            scene = dataclasses.replace(scene, base_excitation=excitation)
         return dataclasses.replace(scene, fluid=regions_of(self.scene, self.liquid()))
 
     def liquid(self) -> Liquid:

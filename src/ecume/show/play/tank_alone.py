@@ -1,7 +1,7 @@
 """A 2D tank in a page that simulates: what it needs, and which tanks it cannot simulate.
 
-A page has one liquid with the equation of state of Tait, without viscosity, in walls at rest that reflect it. Energies
-and forces on walls are not counted: nothing in a page shows them.
+A page has one liquid with the equation of state of Tait, without viscosity, in walls that reflect it, of which hands
+push the left one. Energies and forces on walls are not counted: nothing in a page shows them.
 """
 
 from __future__ import annotations
@@ -13,11 +13,12 @@ from typing import Any
 import numpy as np
 
 from ecume.engine.vectors import Vector2
+from ecume.engine.walls.sheets import SIZE
 from ecume.errors import BadInput
 from ecume.models import MODELS
 from ecume.models.sph.boundaries.walls import speed_of
 from ecume.models.sph.fields import FIELD, FIELDS, RATES, number
-from ecume.models.sph.parameters import Parameters
+from ecume.models.sph.parameters import Boundary, Parameters
 from ecume.models.sph.rates.kernel_loops import WendlandC2, kernel_type
 from ecume.models.sph.rates.sums import CONTINUITY, PRESSURE
 from ecume.models.sph.setup.shapes import CLEARANCE
@@ -27,8 +28,21 @@ from ecume.scenes.writing import to_toml
 from ecume.show.play.four_spheres import finite
 from ecume.show.play.memory import slots
 from ecume.show.play.pages import SPEEDS, TankPage, solid_corners
-from ecume.show.play.tank import JET, LADLE, MOST, ROOM, STEEPEST, Tank, fixed, require_playable
-from ecume.show.play.tank_steps import Basin, Drops, Room, Walls
+from ecume.show.play.tank import (
+    HURRY,
+    JET,
+    LADLE,
+    MOST,
+    PUSHED,
+    ROOM,
+    STEEPEST,
+    STROKE,
+    Tank,
+    fixed,
+    movable,
+    require_playable,
+)
+from ecume.show.play.tank_steps import MOST_LINES, Basin, Drops, Path, Room, Walls
 
 LISTS = 2
 """Room for neighbors over what a full lattice needs."""
@@ -65,11 +79,27 @@ def basin_of(parameters: Parameters) -> Basin:
             bounds=parameters.bounds,
             rows=np.array([CONTINUITY[parameters.density_diffusion.row].rows, PRESSURE.rows]),
             walls=Walls(
-                boundary.sides, boundary.table, boundary.guard, boundary.dummies.position, boundary.dummies.volume
+                boundary.sides,
+                boundary.table,
+                boundary.guard,
+                boundary.dummies.position,
+                boundary.dummies.volume,
+                path_of(boundary),
             ),
         )
     )
     return found
+
+
+def path_of(boundary: Boundary) -> Path:
+    """The path of the left wall, which is at rest; none where it is no mirror."""
+    rows, surfaces = np.flatnonzero(boundary.image_owner == 0), np.flatnonzero(boundary.guard.owner == 0)
+    row, surface = (int(rows[0]), int(surfaces[0])) if len(rows) and len(surfaces) else (-1, 0)
+    rest = np.zeros(3)
+    if row >= 0:
+        size = boundary.guard.sheet.number[surface, SIZE]
+        rest[:] = boundary.sides.point[row, 0], boundary.table[row, 0], size
+    return Path(row, surface, rest, np.zeros((2, MOST_LINES)), np.ones(1, np.int64), np.zeros(1))
 
 
 def copied(value: Any) -> Any:
@@ -180,7 +210,11 @@ def offered_tank(scene: SphScene) -> dict[str, Any]:
     return {
         "slots": [finite_slots(parameters_of(case), liquid) for case in cases],
         "solids": [[solid_corners(one, case.tank) for one in case.obstacles] for case in cases],
-        "scenes": [without_liquid(to_toml(case)) for case in cases],
+        "scenes": [divided(case) for case in cases],
+        "movable": movable(scene),
+        "hurry": HURRY,
+        "pushed": PUSHED,
+        "stroke": STROKE,
         "liquid": {name: np.asarray(getattr(liquid, name)).T.tolist() for name in PER_PARTICLE},
         "colors": [region.color for region in scene.fluid],
         "low": page.low.tolist(),
@@ -198,6 +232,14 @@ def offered_tank(scene: SphScene) -> dict[str, Any]:
         "fields": FIELDS,
         "pressure": FIELD.pressure,
     }
+
+
+def divided(scene: SphScene) -> list[str]:
+    """The text of a scene without liquid, before and behind the place of its left wall (m)."""
+    apart = dataclasses.replace(scene.tank, low=(scene.tank.low[0] - 0.1, *scene.tank.low[1:]))  # always written
+    text = without_liquid(to_toml(dataclasses.replace(scene, tank=apart)))
+    before, after = re.split(r"(?<=\[tank\]\nlow = \[)[^,]+", text)
+    return [before, after]
 
 
 def without_liquid(text: str) -> str:
@@ -241,5 +283,5 @@ def with_another(liquid: Drops) -> Drops:
 
 
 def tank_header(scene: SphScene) -> dict[str, Any]:
-    """What the page of a tank reads at once. Its walls stay where they are."""
-    return {"speeds": SPEEDS, **TankPage(Tank(scene)).header(), "movable": False}
+    """What the page of a tank reads at once."""
+    return {"speeds": SPEEDS, **TankPage(Tank(scene)).header()}

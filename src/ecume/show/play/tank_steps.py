@@ -27,8 +27,9 @@ from ecume.engine.neighbor_rows import (
 )
 from ecume.engine.vectors import Vector2
 from ecume.engine.walls import reflect_all
-from ecume.engine.walls.sheets import worst_gap
+from ecume.engine.walls.sheets import PLANE, SIZE, SPEED, Sheet, worst_gap
 from ecume.laws.time_step_limits import acoustic_limit, force_limit
+from ecume.laws.water_waves import wave_frequency
 from ecume.models.model import CROWDED, DIVERGED, DONE, EXCHANGE
 from ecume.models.sph.boundaries.walls import _move_inside, brake, flag_outside, repel
 from ecume.models.sph.fields import FIELD, Constants, Tait
@@ -45,6 +46,27 @@ from ecume.units import Array
 sum_continuity, sum_pressure = CONTINUITY[FIELD.enthalpy].loop, PRESSURE.loop
 OF_CONTINUITY, OF_PRESSURE = range(2)
 """Rows of `Tank.rows`."""
+PIECES = 8
+"""Straight lines between two looks at the hand: jumps of a wall's speed are bangs in the liquid."""
+MOST_LINES = 80
+"""Room for the lines of a path since the lists were made."""
+
+
+class Path(NamedTuple):
+    """The path of the left wall, straight lines from time to time, as `tank.Push` has it."""
+
+    row: int
+    """the side that mirrors there; -1: it stays"""
+    surface: int
+    """the surface that reflects there"""
+    rest: Array
+    """(3,) where the side and its row of the table are at rest, and the size of the surface"""
+    lines: Array
+    """(2, MOST_LINES) times (s), and displacements (m) then"""
+    count: Integers
+    """(1,) the number of those that count"""
+    speed: Array
+    """(1,) m/s, at the end"""
 
 
 class Walls(NamedTuple):
@@ -58,6 +80,7 @@ class Walls(NamedTuple):
     """(2, D) of dummies"""
     volume: Array
     """(D,) of dummies"""
+    path: Path
 
 
 class Basin(NamedTuple):
@@ -127,7 +150,7 @@ class Room(NamedTuple):
     first: Integers
     """(sides + 1,) the first image of each side"""
     asked: Array
-    """(2,) a place (m), or a tilt (rad)"""
+    """(2,) a place (m), a tilt (rad), a width (m), or a displacement (m) and a time (s)"""
     answer: Array
     """(1,) the answer"""
 
@@ -177,6 +200,7 @@ def divisions_needed(basin: Basin, drops: Drops) -> int:
 
 def take_step(basin: Basin, drops: Drops, room: Room, time: float) -> bool:
     """The symplectic step: kick, drift half, density, drift half, kick. False where lists have no room."""
+    place_wall(basin.walls, drops.clock[0])
     if not drops.ready[0]:
         if not renew(basin, drops, room):
             return False
@@ -200,10 +224,86 @@ def move(basin: Basin, drops: Drops, room: Room, time: float) -> bool:
     """Drift, reflect particles at walls, renew the lists when due."""
     drift(drops.position, drops.velocity, time)
     drops.clock[0] += time
+    place_wall(basin.walls, drops.clock[0])
     reflect(basin.walls.guard, drops, time)
-    if farthest(drops.position, drops.reference) > 0.5 * drops.skin[0]:
+    if farthest(drops.position, drops.reference) + wall_moved(basin.walls.path, drops) > 0.5 * drops.skin[0]:
         return renew(basin, drops, room)
     return True
+
+
+def displaced(path: Path, time: float) -> float:
+    """The displacement of the wall (m) at a time."""
+    times, places, last = path.lines[0], path.lines[1], path.count[0] - 1
+    if time <= times[0]:
+        return float(places[0])
+    for k in range(last):
+        if time < times[k + 1]:
+            return float((places[k + 1] - places[k]) / (times[k + 1] - times[k]) * (time - times[k]) + places[k])
+    return float(places[last])
+
+
+def speed_of_wall(path: Path, time: float) -> float:
+    """The speed of the wall (m/s) at a time: that of the line which begins there or before."""
+    times, places = path.lines[0], path.lines[1]
+    for k in range(path.count[0] - 1):
+        if times[k] <= time < times[k + 1]:
+            return float((places[k + 1] - places[k]) / (times[k + 1] - times[k]))
+    return 0.0
+
+
+def wall_moved(path: Path, drops: Drops) -> float:
+    """The displacement of the wall since the lists were made, `rigid_bodies.displacement_of_sides`."""
+    return 0.0 if path.row < 0 else abs(displaced(path, drops.clock[0]) - displaced(path, drops.clock[1]))
+
+
+def place_wall(walls: Walls, time: float) -> None:
+    """Move the left wall to where its path is at this time, as `rigid_bodies.at` does."""
+    path, dimension, numbers = walls.path, walls.sides.point.shape[1], walls.guard.sheet.number
+    if path.row < 0:
+        return
+    place, speed = displaced(path, time), speed_of_wall(path, time)
+    walls.sides.point[path.row, 0] = path.rest[0] + place
+    walls.table[path.row, 0] = path.rest[1] + place
+    walls.table[path.row, 2 * dimension] = speed
+    numbers[path.surface, SIZE] = path.rest[2] + numbers[path.surface, 0] * place
+    numbers[path.surface, SPEED] = speed
+
+
+def push_wall(basin: Basin, drops: Drops, room: Room) -> None:
+    """Append a constant acceleration of the wall to the speed asked, during the time asked: `tank.Push.then`."""
+    path, now, since = basin.walls.path, float(drops.clock[0]), min(float(drops.clock[1]), float(drops.clock[0]))
+    speed, seconds, before = float(room.asked[0]), float(room.asked[1]), float(path.speed[0])
+    kept, first, here = np.empty((2, MOST_LINES)), displaced(path, since), displaced(path, now)
+    count = 0
+    if since < now:
+        kept[0, 0], kept[1, 0], count = since, first, 1
+    for k in range(path.count[0]):
+        if since < path.lines[0, k] < now and count < MOST_LINES - PIECES - 2:
+            kept[0, count], kept[1, count] = path.lines[0, k], path.lines[1, k]
+            count += 1
+    for k in range(PIECES + 1):
+        passed = seconds * k / PIECES
+        kept[0, count] = now + passed
+        kept[1, count] = here + (before * passed + 0.5 * (speed - before) * passed**2 / seconds)
+        count += 1
+    kept[0, count] = now + 2.0 * seconds
+    kept[1, count] = kept[1, count - 1] + speed * seconds
+    path.count[0], path.speed[0] = count + 1, speed
+    for k in range(path.count[0]):
+        path.lines[0, k], path.lines[1, k] = kept[0, k], kept[1, k]
+
+
+def measure_wall(basin: Basin, drops: Drops, room: Room) -> None:
+    """The displacement of the wall at present (m)."""
+    room.answer[0] = displaced(basin.walls.path, drops.clock[0])
+
+
+def measure_period(basin: Basin, drops: Drops, room: Room) -> None:
+    """The period of sloshing of the liquid, were it level, in a tank as wide as asked: `tank.Tank.period`."""
+    width = float(room.asked[0])
+    depth = float(np.sum(drops.mass)) / basin.equation_of_state.density / width
+    pull = math.sqrt(basin.upright[0] ** 2 + basin.upright[1] ** 2)
+    room.answer[0] = 2.0 * math.pi / max(wave_frequency(math.pi / width, depth, pull, 0.0), 1e-9)
 
 
 def reflect(guard: Guard, drops: Drops, time: float) -> None:
@@ -213,13 +313,25 @@ def reflect(guard: Guard, drops: Drops, time: float) -> None:
     flag_outside(drops.position, sheet.kind, sheet.number, guard.radius, out)
     x, v, hits = np.zeros((1, dimension)), np.zeros((1, dimension)), np.zeros(len(guard.owner), np.int64)
     before = np.zeros(dimension)
+    number = sheet.number.copy()
+    for k in range(len(number)):
+        if sheet.kind[k, 0] == PLANE:  # where planes that move were before the drift, as `walls._as_before` has them
+            way = number[k, 0] * number[k, SPEED] + number[k, 1] * number[k, SPEED + 1]
+            number[k, SIZE] -= time * (way + number[k, 2] * number[k, SPEED + 2])
+    earlier = Sheet(sheet.kind, number, sheet.hole, sheet.part)
     for i in np.flatnonzero(out):
         status = np.zeros(1, np.int64)
         for axis in range(dimension):
             before[axis] = v[0, axis] = drops.velocity[axis, i]
             x[0, axis] = drops.position[axis, i] - time * before[axis]
         reflect_all(
-            x, v, np.zeros((1, dimension)), time, sheet, np.array([guard.radius]), (np.zeros(1, np.int64), status, hits)
+            x,
+            v,
+            np.zeros((1, dimension)),
+            time,
+            earlier,
+            np.array([guard.radius]),
+            (np.zeros(1, np.int64), status, hits),
         )
         if status[0] < 0:
             for axis in range(dimension):
@@ -384,6 +496,7 @@ def tilted(x: float, y: float, angle: float) -> tuple[float, float]:
 
 def measure_gap(basin: Basin, drops: Drops, room: Room) -> None:
     """The distance (m) of the place asked from the nearest wall or solid, negative behind it."""
+    place_wall(basin.walls, drops.clock[0])
     sheet = basin.walls.guard.sheet
     room.answer[0] = worst_gap(sheet.kind, sheet.number, (room.asked[0], room.asked[1], 0.0), 0.0)[0]
 
