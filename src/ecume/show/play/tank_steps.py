@@ -299,7 +299,7 @@ def measure_wall(basin: Basin, drops: Drops, room: Room) -> None:
 
 
 def measure_period(basin: Basin, drops: Drops, room: Room) -> None:
-    """The period of sloshing of the liquid, were it level, in a tank as wide as asked: `tank.Tank.period`."""
+    """The period of sloshing of the liquid, were it level, in a tank of the given width: `tank.Tank.period`."""
     width = float(room.asked[0])
     depth = float(np.sum(drops.mass)) / basin.equation_of_state.density / width
     pull = math.sqrt(basin.upright[0] ** 2 + basin.upright[1] ** 2)
