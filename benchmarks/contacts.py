@@ -18,6 +18,7 @@ from ecume._jit import use_threads
 from ecume._quick import parser_of, sized
 from ecume.engine.contact import contacts as touching
 from ecume.engine.contact import impulse_solvers
+from ecume.engine.contact.contacts import DiscMotion
 from ecume.engine.contact.impulse_solvers import CONVERGED, Tolerance
 from ecume.models.floating.contacts.collisions import TOLERABLE, contact_bodies
 from ecume.models.floating.time_integration.integration import forces_at
@@ -51,9 +52,9 @@ def solved(run: TimedRun, velocity: np.ndarray) -> tuple[int, float, float]:
     fastest = float(np.max(contacts.bound[:rows] - contacts.scratch[:rows]))
     goal = Tolerance(CONVERGED * fastest, TOLERABLE * parameters.slop / parameters.time_step)
     began = time.process_time()
-    sweeps = impulse_solvers.solve(contacts, velocity, mobility, goal)
+    sweeps = impulse_solvers.solve(contacts, DiscMotion(velocity, mobility), goal)
     spent = time.process_time() - began
-    return sweeps, impulse_solvers.residual(contacts, velocity) / fastest, spent
+    return sweeps, impulse_solvers.residual(contacts, DiscMotion(velocity, mobility), np.arange(rows)) / fastest, spent
 
 
 def measured(size: int) -> None:

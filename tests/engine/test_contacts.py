@@ -4,7 +4,7 @@ import pytest
 from ecume.engine.cells import no_periods
 from ecume.engine.contact import contacts as touching
 from ecume.engine.contact import impulse_solvers
-from ecume.engine.contact.contacts import Bodies, Memory
+from ecume.engine.contact.contacts import Bodies, DiscMotion, Memory
 from ecume.engine.contact.impulse_solvers import Tolerance
 from ecume.engine.placement import place_on_lattice
 from ecume.engine.walls import disc, enclosed_by, no_walls
@@ -42,7 +42,7 @@ def test_solved_contacts_neither_overlap_nor_pull():
     position, velocity = a_raft()
     mobility = np.random.default_rng(1).uniform(0.5, 2.0, len(position))
     contacts = gathered(position, np.ones(len(position)), no_walls(), mobility)
-    impulse_solvers.solve(contacts, velocity, mobility, Tolerance(1e-10, 0.0))
+    impulse_solvers.solve(contacts, DiscMotion(velocity, mobility), Tolerance(1e-10, 0.0))
     speed, rows = np.zeros(len(contacts.gap)), contacts.total[0]
     touching.normal_velocities(contacts, velocity, speed)
     assert np.min(speed[:rows]) > -1e-10
@@ -55,7 +55,7 @@ def test_impulses_conserve_momentum_to_rounding_however_unlike_the_masses():
     mass = 10.0 ** np.random.default_rng(2).uniform(-2, 2, len(position))
     before = mass @ velocity
     contacts = gathered(position, np.ones(len(position)), no_walls(), 1.0 / mass)
-    impulse_solvers.solve(contacts, velocity, 1.0 / mass, Tolerance(1e-9, 0.0))
+    impulse_solvers.solve(contacts, DiscMotion(velocity, 1.0 / mass), Tolerance(1e-9, 0.0))
     assert mass @ velocity == pytest.approx(before, abs=1e-13 * np.sum(mass * np.abs(velocity[:, 0])))
 
 
@@ -63,7 +63,7 @@ def test_plastic_contacts_never_add_kinetic_energy():
     position, velocity = a_raft()
     before = np.sum(velocity**2)
     contacts = gathered(position, np.ones(len(position)), no_walls(), np.ones(len(position)))
-    impulse_solvers.solve(contacts, velocity, np.ones(len(position)), Tolerance(1e-10, 0.0))
+    impulse_solvers.solve(contacts, DiscMotion(velocity, np.ones(len(position))), Tolerance(1e-10, 0.0))
     assert np.sum(velocity**2) < before
 
 
@@ -81,7 +81,7 @@ def test_the_solution_is_that_of_a_general_quadratic_solver():
         jacobian[row, 2 * j : 2 * j + 2] += contacts.normal[row]
     impulses, _ = nnls(jacobian.T, -velocity.ravel(), maxiter=1000)
     expected = velocity.ravel() + jacobian.T @ impulses
-    impulse_solvers.solve(contacts, velocity, mobility, Tolerance(1e-12, 0.0))
+    impulse_solvers.solve(contacts, DiscMotion(velocity, mobility), Tolerance(1e-12, 0.0))
     assert velocity.ravel() == pytest.approx(expected, abs=1e-9)
 
 
@@ -90,7 +90,7 @@ def test_a_wall_stops_what_leans_on_it_through_others():
     velocity = np.array([[1.0, 0.0], [1.0, 0.0], [1.0, 0.0], [0.0, 0.0]])
     mobility = np.array([1.0, 1.0, 1.0, 0.0])
     contacts = gathered(position, np.ones(3), round_wall(5.0), mobility)
-    impulse_solvers.solve(contacts, velocity, mobility, Tolerance(1e-12, 0.0))
+    impulse_solvers.solve(contacts, DiscMotion(velocity, mobility), Tolerance(1e-12, 0.0))
     assert velocity[:, 0] == pytest.approx(np.zeros(4), abs=1e-11)
 
 
@@ -99,11 +99,11 @@ def test_a_warm_start_from_the_solution_needs_one_sweep():
     mobility = np.ones(len(position))
     contacts = gathered(position, np.ones(len(position)), no_walls(), mobility)
     memory = Memory(np.zeros(1, np.int64), np.zeros((300, 2), np.int64), np.zeros(300))
-    cold = impulse_solvers.solve(contacts, velocity.copy(), mobility, Tolerance(1e-9, 0.0))
+    cold = impulse_solvers.solve(contacts, DiscMotion(velocity.copy(), mobility), Tolerance(1e-9, 0.0))
     touching.remember(touching.contact_keys(contacts), contacts.impulse, memory, memory.impulse)
     contacts.impulse[:] = 0.0
     touching.recall(touching.contact_keys(contacts), contacts.impulse, memory, memory.impulse)
-    assert impulse_solvers.solve(contacts, velocity.copy(), mobility, Tolerance(1e-9, 0.0)) == 1 < cold
+    assert impulse_solvers.solve(contacts, DiscMotion(velocity.copy(), mobility), Tolerance(1e-9, 0.0)) == 1 < cold
 
 
 def test_impulses_are_recalled_for_the_pairs_they_belong_to():
@@ -180,13 +180,13 @@ def test_each_island_is_solved_as_if_it_were_alone(colliding):
     contacts = gathered(position, np.ones(len(position)), dish, mobility)
     assert contacts.total[0] >= impulse_solvers.LEAST_FOR_ISLANDS
     together = velocity.copy()
-    impulse_solvers.solve(contacts, together, mobility, Tolerance(1e-12, 0.0))
+    impulse_solvers.solve(contacts, DiscMotion(together, mobility), Tolerance(1e-12, 0.0))
     assert (contacts.impulse > 0.0).any() == bool(colliding)
     for pair in range(len(position) // 2):
         both = [2 * pair, 2 * pair + 1]
         alone = np.vstack([velocity[both], np.zeros((1, 2))])
         rows = gathered(position[both], np.ones(2), dish, np.append(mobility[both], 0.0))
-        impulse_solvers.solve(rows, alone, np.append(mobility[both], 0.0), Tolerance(1e-12, 0.0))
+        impulse_solvers.solve(rows, DiscMotion(alone, np.append(mobility[both], 0.0)), Tolerance(1e-12, 0.0))
         assert np.array_equal(together[both], alone[:2])
     assert not together[-1].any()
 
@@ -203,14 +203,14 @@ def two_rows_of_forty():
 def test_islands_hang_together_by_floats_and_not_by_walls():
     contacts, mobility = two_rows_of_forty()
     assert (contacts.second[: contacts.total[0]] == 80).sum() == 2
-    assert len(impulse_solvers.islands_of(contacts, mobility).rows) == 0, "nobody pushes"
+    assert len(islands_of(contacts, mobility).rows) == 0, "nobody pushes"
     contacts.impulse[1] = 1.0  # between the second and the third
-    one = impulse_solvers.islands_of(contacts, mobility)
+    one = islands_of(contacts, mobility)
     assert len(one.first) == 2
     assert set(contacts.first[one.rows]) | set(contacts.second[one.rows]) == {*range(40), 80}
     assert (np.diff(one.rows) > 0).all()
     contacts.change[contacts.total[0] - 1] = -1.0
-    both = impulse_solvers.islands_of(contacts, mobility)
+    both = islands_of(contacts, mobility)
     assert list(both.first) == [0, 40, 80]
     assert sorted(both.rows) == list(range(80))
 
@@ -219,7 +219,11 @@ def test_a_float_that_is_pinned_parts_islands():
     contacts, mobility = two_rows_of_forty()
     contacts.impulse[:] = 1.0
     mobility[20] = 0.0
-    assert [len(part) for part in parts_of(impulse_solvers.islands_of(contacts, mobility))] == [21, 19, 40]
+    assert [len(part) for part in parts_of(islands_of(contacts, mobility))] == [21, 19, 40]
+
+
+def islands_of(contacts, mobility):
+    return touching.islands(contacts, DiscMotion(np.zeros((len(mobility), 2)), mobility))
 
 
 def parts_of(islands):

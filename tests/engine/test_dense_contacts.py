@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from ecume.engine.contact import contacts as touching
-from ecume.engine.contact import impulse_solvers, mobility_contacts, sweeps
+from ecume.engine.contact import impulse_solvers, mobility_contacts
+from ecume.engine.contact.contacts import DiscMotion
 from ecume.engine.contact.impulse_solvers import Tolerance
 from ecume.engine.contact.mobility_contacts import CoupledContacts, make_dense_rows, row_speed
 
@@ -31,9 +32,9 @@ def test_a_diagonal_mobility_gives_the_velocities_of_the_other_solver():
     contacts, rows = chain(dice, 12)
     mobility, velocity = dice.uniform(0.5, 2.0, 12), 3.0 * dice.normal(size=(12, 2))
     motion = velocity.ravel().copy()
-    sweeps.solve(CoupledContacts(rows, np.diag(np.repeat(mobility, 2))), motion, GOAL)
+    impulse_solvers.solve(CoupledContacts(rows, np.diag(np.repeat(mobility, 2))), motion, GOAL)
     touching.set_effective_masses(contacts, mobility)
-    impulse_solvers.solve(contacts, velocity, mobility, GOAL)
+    impulse_solvers.solve(contacts, DiscMotion(velocity, mobility), GOAL)
     assert motion == pytest.approx(velocity.ravel(), abs=1e-8)
     assert np.count_nonzero(contacts.impulse > 0.0) >= 3
 
@@ -54,8 +55,8 @@ def test_the_conditions_hold_with_a_full_matrix(friction):
     mobility, given = half @ half.T / size + np.eye(size), 3.0 * dice.normal(size=size)
     motion = given.copy()
     system = CoupledContacts(rows, mobility)
-    assert sweeps.solve(system, motion, GOAL) < 2000
-    assert sweeps.residual(system, motion, np.arange(total)) <= GOAL.target
+    assert impulse_solvers.solve(system, motion, GOAL) < 2000
+    assert impulse_solvers.residual(system, motion, np.arange(total)) <= GOAL.target
     jacobian = np.zeros((len(rows.impulse), size))
     for row in range(len(jacobian)):
         for entry in range(mobility_contacts.ENTRIES):

@@ -7,8 +7,8 @@ from tests.engine.test_contacts import a_raft, all_candidates
 from ecume.engine.cells import no_periods
 from ecume.engine.contact import contacts as touching
 from ecume.engine.contact import friction as rough
-from ecume.engine.contact import impulse_solvers, sweeps
-from ecume.engine.contact.contacts import Bodies, Memory
+from ecume.engine.contact import impulse_solvers
+from ecume.engine.contact.contacts import Bodies, DiscMotion, Memory
 from ecume.engine.contact.friction import FrictionalContacts, Motion
 from ecume.engine.contact.impulse_solvers import Tolerance
 from ecume.engine.walls import box, enclosed_by, no_walls
@@ -56,7 +56,7 @@ def test_impulses_stay_inside_their_cone_and_what_slides_is_braked(friction):
     position, _, motion = shaken_raft()
     contacts, rubbing = pressed(position, motion, np.ones(len(position)), friction, no_walls())
     assert (
-        sweeps.solve(FrictionalContacts(contacts, rubbing), motion, Tolerance(1e-10, 0.0))
+        impulse_solvers.solve(FrictionalContacts(contacts, rubbing), motion, Tolerance(1e-10, 0.0))
         <= impulse_solvers.MOST_SWEEPS
     )
     rows = contacts.total[0]
@@ -73,7 +73,7 @@ def test_a_solve_that_no_longer_improves_ends_where_it_is_acceptable():
     """Rounding keeps the residual above zero."""
     position, _, motion = shaken_raft(7)
     contacts, rubbing = pressed(position, motion, np.ones(len(position)), 0.3, no_walls())
-    most = sweeps.solve(FrictionalContacts(contacts, rubbing), motion, Tolerance(0.0, 1e-6))
+    most = impulse_solvers.solve(FrictionalContacts(contacts, rubbing), motion, Tolerance(0.0, 1e-6))
     assert most % impulse_solvers.PATIENCE == 0
     assert most < impulse_solvers.MOST_SWEEPS
 
@@ -93,7 +93,7 @@ def test_friction_keeps_momentum_and_angular_momentum_and_adds_no_energy(seed):
     scale, turned = np.sum(mass * np.abs(motion.velocity).sum(axis=1)), turning()
     contacts, rubbing = pressed(position, motion, np.ones(len(position)), 0.4, no_walls(), reach=0.01)
     contacts.bound[:] = -np.maximum(contacts.gap, 0.0)
-    sweeps.solve(FrictionalContacts(contacts, rubbing), motion, Tolerance(1e-9, 0.0))
+    impulse_solvers.solve(FrictionalContacts(contacts, rubbing), motion, Tolerance(1e-9, 0.0))
     assert np.count_nonzero(rubbing.impulse) > 10
     assert mass @ motion.velocity == pytest.approx(momentum, abs=1e-13 * scale)
     assert turning() == pytest.approx(turned, abs=1e-12 * scale)
@@ -105,9 +105,9 @@ def test_without_friction_the_solution_is_that_of_smooth_contacts():
     smooth = motion.velocity.copy()
     contacts, rubbing = pressed(position, motion, np.ones(len(position)), 0.0, no_walls())
     spin = motion.spin.copy()
-    sweeps.solve(FrictionalContacts(contacts, rubbing), motion, Tolerance(1e-11, 0.0))
+    impulse_solvers.solve(FrictionalContacts(contacts, rubbing), motion, Tolerance(1e-11, 0.0))
     contacts.impulse[:] = 0.0
-    impulse_solvers.solve(contacts, smooth, motion.mobility, Tolerance(1e-11, 0.0))
+    impulse_solvers.solve(contacts, DiscMotion(smooth, motion.mobility), Tolerance(1e-11, 0.0))
     assert motion.velocity == pytest.approx(smooth, abs=1e-9)
     assert np.array_equal(motion.spin, spin)
 
@@ -117,7 +117,7 @@ def test_an_oblique_collision_slides_or_sticks_as_coulomb_says(friction, slide):
     # Two equal discs; the reduced tangential mass is 1/6 of one's mass, the normal one half of it.
     motion = Motion(np.array([[1.0, 0.5], [-1.0, 0.0]]), np.array([0.3, 0.0]), np.ones(2), np.full(2, 1.0 / DISC))
     contacts, rubbing = pressed(np.array([[0.0, 0.0], [2.0, 0.0]]), motion, np.ones(2), friction, no_walls())
-    sweeps.solve(FrictionalContacts(contacts, rubbing), motion, Tolerance(1e-13, 0.0))
+    impulse_solvers.solve(FrictionalContacts(contacts, rubbing), motion, Tolerance(1e-13, 0.0))
     sticking = (0.5 + 0.3) / 6.0
     assert (friction * 1.0 < sticking) == slide
     pushed = min(sticking, friction * 1.0)
@@ -134,7 +134,7 @@ def on_a_slope(angle, friction, ease, steps=100):
         motion.velocity[0, 0] += math.sin(angle) / steps
         motion.velocity[0, 1] -= math.cos(angle) / steps
         contacts, rubbing = pressed(np.array([[0.0, 1.0]]), motion, np.ones(1), friction, floor)
-        sweeps.solve(FrictionalContacts(contacts, rubbing), motion, Tolerance(1e-13, 0.0))
+        impulse_solvers.solve(FrictionalContacts(contacts, rubbing), motion, Tolerance(1e-13, 0.0))
     return motion.velocity[0, 0], motion.spin[0]
 
 
@@ -162,7 +162,7 @@ def test_tangential_impulses_are_recalled_for_the_pairs_they_belong_to():
     memory = Memory(np.zeros(1, np.int64), np.zeros((300, 2), np.int64), np.zeros(300))
     cold = motion._replace(velocity=motion.velocity.copy(), spin=motion.spin.copy())
     tangential_impulse = np.zeros(300)
-    first = sweeps.solve(FrictionalContacts(contacts, rubbing), cold, Tolerance(1e-9, 0.0))
+    first = impulse_solvers.solve(FrictionalContacts(contacts, rubbing), cold, Tolerance(1e-9, 0.0))
     found = rubbing.impulse.copy()
     touching.remember(touching.contact_keys(contacts), contacts.impulse, memory, memory.impulse)
     rough.remember(FrictionalContacts(contacts, rubbing), memory, tangential_impulse)
@@ -170,7 +170,7 @@ def test_tangential_impulses_are_recalled_for_the_pairs_they_belong_to():
     touching.recall(touching.contact_keys(contacts), contacts.impulse, memory, memory.impulse)
     rough.recall(FrictionalContacts(contacts, rubbing), memory, tangential_impulse)
     assert np.array_equal(rubbing.impulse, found)
-    assert sweeps.solve(FrictionalContacts(contacts, rubbing), motion, Tolerance(1e-8, 0.0)) < 0.2 * first
+    assert impulse_solvers.solve(FrictionalContacts(contacts, rubbing), motion, Tolerance(1e-8, 0.0)) < 0.2 * first
 
 
 def test_rough_islands_are_solved_as_if_there_were_no_others():
@@ -182,10 +182,10 @@ def test_rough_islands_are_solved_as_if_there_were_no_others():
     whole = Motion(*(np.concatenate(parts) for parts in zip(*motions, strict=True)))
     contacts, rubbing = pressed(np.concatenate(places), whole, np.ones(4 * size), 0.3, no_walls())
     assert contacts.total[0] > impulse_solvers.LEAST_FOR_ISLANDS
-    sweeps.solve(FrictionalContacts(contacts, rubbing), whole, Tolerance(1e-11, 0.0))
+    impulse_solvers.solve(FrictionalContacts(contacts, rubbing), whole, Tolerance(1e-11, 0.0))
     for k, (place, alone) in enumerate(zip(places, motions, strict=True)):
         few = FrictionalContacts(*pressed(place, alone, np.ones(size), 0.3, no_walls()))
-        sweeps.solve(few, alone, Tolerance(1e-11, 0.0))
+        impulse_solvers.solve(few, alone, Tolerance(1e-11, 0.0))
         own = slice(k * size, (k + 1) * size)
         assert whole.velocity[own] == pytest.approx(alone.velocity, abs=1e-8)
         assert whole.spin[own] == pytest.approx(alone.spin, abs=1e-8)

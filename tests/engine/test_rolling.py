@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from tests.engine.test_friction import DISC, energy, pressed, shaken_raft
 
-from ecume.engine.contact import impulse_solvers, rolling, sweeps
+from ecume.engine.contact import impulse_solvers, rolling
 from ecume.engine.contact.friction import FrictionalContacts
 from ecume.engine.contact.impulse_solvers import Tolerance
 from ecume.engine.contact.rolling import RollingContacts
@@ -21,7 +21,7 @@ def solved(position, motion, radius, coefficient, *, friction=0.5, reach=1e-6):
     rows = rolling.make_rolling_rows(len(contacts.gap))
     system = RollingContacts(FrictionalContacts(contacts, rubbing), rows)
     rolling.prepare(system, radius, ((friction, friction), (coefficient, coefficient)), motion)
-    return contacts, rubbing, rows, sweeps.solve(system, motion, Tolerance(1e-10, 0.0))
+    return contacts, rubbing, rows, impulse_solvers.solve(system, motion, Tolerance(1e-10, 0.0))
 
 
 @pytest.mark.parametrize("coefficient", [0.0, 0.05, 0.3, 2.0])
@@ -66,6 +66,6 @@ def test_without_a_coefficient_the_solution_is_that_of_friction():
     solved(position, motion, np.ones(len(position)), 0.0, friction=0.2)
     contacts, rubbing = pressed(position, plain, np.ones(len(position)), 0.2, no_walls())
     contacts.bound[:] = -np.maximum(contacts.gap, 0.0)
-    sweeps.solve(FrictionalContacts(contacts, rubbing), plain, Tolerance(1e-10, 0.0))
+    impulse_solvers.solve(FrictionalContacts(contacts, rubbing), plain, Tolerance(1e-10, 0.0))
     assert motion.velocity == pytest.approx(plain.velocity, abs=1e-8)
     assert motion.spin == pytest.approx(plain.spin, abs=1e-8)

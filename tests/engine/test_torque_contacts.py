@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from tests.engine.test_outlines import needle, outlines, square
 
-from ecume.engine.contact import contacts, sweeps
+from ecume.engine.contact import contacts, impulse_solvers
 from ecume.engine.contact import torque_contacts as touching
 from ecume.engine.contact.contacts import Memory, deepest_overlap, make_candidates
 from ecume.engine.contact.impulse_solvers import LEAST_FOR_ISLANDS, MOST_SWEEPS, PATIENCE, Tolerance
@@ -64,12 +64,12 @@ def test_a_solve_keeps_both_momenta_and_takes_energy(seed):
     levers, velocity = gathered(party(bodies), stance), chance.normal(size=(9, 3))
     before = totals(stance, velocity)
     levers.bound[:] = 0.0
-    sweeps.solve(levers, velocity, GOAL)
+    impulse_solvers.solve(levers, velocity, GOAL)
     after = totals(stance, velocity)
     assert levers.total[0] > 4
     assert after[:3] == pytest.approx(before[:3], abs=1e-12)
     assert after[3] < before[3]
-    assert sweeps.residual(levers, velocity, np.arange(levers.total[0])) < 1e-9
+    assert impulse_solvers.residual(levers, velocity, np.arange(levers.total[0])) < 1e-9
 
 
 def test_a_solve_that_no_longer_improves_ends_where_it_is_acceptable():
@@ -79,10 +79,10 @@ def test_a_solve_that_no_longer_improves_ends_where_it_is_acceptable():
     levers, velocity = gathered(party(bodies), stance), chance.normal(size=(9, 3))
     velocity[:, :2] += 1e6
     levers.bound[:] = 0.0
-    most = sweeps.solve(levers, velocity, Tolerance(1e-14, 1e-6))
+    most = impulse_solvers.solve(levers, velocity, Tolerance(1e-14, 1e-6))
     assert PATIENCE < most < MOST_SWEEPS
     assert most % PATIENCE == 0
-    assert sweeps.residual(levers, velocity, np.arange(levers.total[0])) < 1e-6
+    assert impulse_solvers.residual(levers, velocity, np.arange(levers.total[0])) < 1e-6
 
 
 @pytest.mark.parametrize("seed", range(4))
@@ -95,15 +95,15 @@ def test_the_exact_solution_is_that_of_the_sweeps(seed):
     given[9:] = 0.0
     levers.bound[:] = -np.maximum(levers.gap, 0.0)
     swept, every = given.copy(), np.arange(levers.total[0])
-    sweeps.solve(levers, swept, GOAL)
+    impulse_solvers.solve(levers, swept, GOAL)
     levers.impulse[:] = 0.0
     exact = given.copy()
-    assert touching.solve_exactly(levers, exact, every, GOAL) == 1
+    assert impulse_solvers.solve_exactly(levers, exact, every, GOAL) == 1
     assert exact == pytest.approx(swept, abs=1e-9)
     assert np.count_nonzero(levers.impulse) > 2
     # Without a solution nothing changes.
     kept, exact[levers.first[0]] = levers.impulse.copy(), math.nan
-    assert touching.solve_exactly(levers, exact, every, GOAL) == 0
+    assert impulse_solvers.solve_exactly(levers, exact, every, GOAL) == 0
     assert np.array_equal(levers.impulse, kept)
 
 
@@ -117,11 +117,11 @@ def test_islands_are_solved_as_if_there_were_no_others():
     stance = Stance(np.concatenate(places), np.concatenate(angles), np.zeros_like(outlines(*bodies).corner))
     levers, velocity = gathered(party(bodies), stance), np.concatenate(speeds)
     assert levers.total[0] > LEAST_FOR_ISLANDS
-    sweeps.solve(levers, velocity, GOAL)
+    impulse_solvers.solve(levers, velocity, GOAL)
     for k, (own, alone) in enumerate(groups):
         alone.position[:] = places[k]
         few = gathered(party(own), alone)
-        sweeps.solve(few, speeds[k], GOAL)
+        impulse_solvers.solve(few, speeds[k], GOAL)
         assert velocity[9 * k : 9 * k + 9] == pytest.approx(speeds[k], abs=1e-9)
 
 
@@ -129,7 +129,7 @@ def test_contacts_never_pull_and_separating_ones_have_no_impulse():
     stance = Stance(np.array([(0.0, 0.0), (2.0, 0.0)]), np.zeros(2), np.zeros((0, 2)))
     levers = gathered(party([(1.0, 1.0), (1.0, 1.0)]), stance)
     velocity = np.array([(-1.0, 0.0, 0.3), (1.0, 0.0, -0.2)])
-    sweeps.solve(levers, velocity, GOAL)
+    impulse_solvers.solve(levers, velocity, GOAL)
     assert velocity.tolist() == [[-1.0, 0.0, 0.3], [1.0, 0.0, -0.2]]
 
 
@@ -138,7 +138,7 @@ def test_a_blow_beside_the_middle_turns_what_is_hit():
     stance = Stance(np.array([(0.0, 0.0), (2.0, 1.3)]), np.array([0.0, 0.0]), np.zeros((2, 2)))
     levers = gathered(party([needle(0.3), (1.0, 1.0)], mass=2.0, inertia=5.0), stance, reach=0.01)
     velocity = np.array([(0.0, 0.0, 0.0), (0.0, -1.0, 0.0)])
-    sweeps.solve(levers, velocity, GOAL)
+    impulse_solvers.solve(levers, velocity, GOAL)
     impulse = 1.0 / (0.5 + 0.5 + 2.0**2 / 5.0)
     assert velocity[0] == pytest.approx([0.0, -0.5 * impulse, -2.0 * impulse / 5.0], abs=1e-12)
     assert velocity[1] == pytest.approx([0.0, -1.0 + 0.5 * impulse, 0.0], abs=1e-12)
@@ -150,7 +150,7 @@ def test_a_square_that_falls_flat_on_another_goes_on_with_it_as_one(aside):
     stance = Stance(np.array([(0.0, 0.0), (aside, 2.4)]), np.zeros(2), np.zeros((8, 2)))
     levers = gathered(party([square(0.2), square(0.2)]), stance, reach=0.01)
     velocity = np.array([(0.0, 1.0, 0.0), (0.0, -1.0, 0.0)])
-    sweeps.solve(levers, velocity, GOAL)
+    impulse_solvers.solve(levers, velocity, GOAL)
     # Smooth edges glide: of the distance of the two centers only what lies along the edge is held.
     spin = -aside / (2.0 * 0.8 + 0.5 * aside**2)
     assert velocity[:, 2] == pytest.approx([spin, spin], abs=1e-9)
@@ -189,7 +189,7 @@ def test_walls_stop_tips_and_stay():
     levers = gathered(who, stance, reach=0.1)
     velocity = np.zeros((5, 3))
     velocity[0, 0] = -1.0
-    sweeps.solve(levers, velocity, GOAL)
+    impulse_solvers.solve(levers, velocity, GOAL)
     assert velocity == pytest.approx(np.zeros((5, 3)), abs=1e-12)
 
 

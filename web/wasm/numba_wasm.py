@@ -263,5 +263,5 @@ def _or_trap(found: re.Match[str]) -> str:
     return f"define internal {kind} @{name}({', '.join(plain)}) noinline {{\n  {body}\n}}"
 
 
-SOLVER = "ecume.engine.contact.impulse_solvers.nearest_velocity"
+SOLVER = "ecume.engine.contact.active_set.nearest_impulses"
 """Python compiles it when it is first needed. A page says that it found no solution: sweeps go on until they have."""

@@ -1,4 +1,5 @@
-"""Contacts between discs and with walls: detection, effective masses, position projection, and the warm start.
+"""Contacts between discs and with walls: detection, effective masses, the passes of the solver over them, position
+projection, and the warm start.
 
 `ecume.engine.contact.impulse_solvers` solves for the impulses.
 """
@@ -6,14 +7,19 @@
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
 from ecume._jit import compiled, compiled_inside
 from ecume.engine.cells import Integers, nearest
+from ecume.engine.contact.active_set import numbered
+from ecume.engine.contact.islands import Choice, Islands, islands_among
 from ecume.engine.walls import Walls, wall_count, wall_distance
 from ecume.units import Array
+
+if TYPE_CHECKING:
+    from ecume.engine.contact.torque_contacts import TorqueContacts
 
 MOST_ROUNDS = 20_000
 
@@ -64,16 +70,28 @@ class Contacts(NamedTuple):
     scratch: Array
 
 
+class DiscMotion(NamedTuple):
+    """The motion of discs, and of the walls behind them."""
+
+    velocity: Array
+    """(N + walls, 2)"""
+    mobility: Array
+    """(N + walls,) velocity per impulse"""
+
+
 def make_candidates(count: int, capacity: int) -> Candidates:
     """Empty arrays for `capacity` pairs."""
     return Candidates(np.zeros(count + 1, np.int64), np.zeros(max(capacity, 16), np.int64))
 
 
+@compiled
 def make_contacts(capacity: int) -> Contacts:
     """Empty arrays for `capacity` contacts."""
-    whole = [np.zeros(capacity, np.int64) for _ in range(2)]
-    real = [np.zeros(capacity) for _ in range(7)]
-    return Contacts(np.zeros(1, np.int64), whole[0], whole[1], np.zeros((capacity, 2)), *real)
+    return Contacts(
+        np.zeros(1, np.int64), np.zeros(capacity, np.int64), np.zeros(capacity, np.int64), np.zeros((capacity, 2)),
+        np.zeros(capacity), np.zeros(capacity), np.zeros(capacity), np.zeros(capacity), np.zeros(capacity),
+        np.zeros(capacity), np.zeros(capacity),
+    )  # fmt: skip
 
 
 @compiled_inside
@@ -172,6 +190,185 @@ def apply_impulses(contacts: Contacts, impulse: Array, velocity: Array, mobility
         velocity[i, 1] -= on_i * normal[row, 1]
         velocity[j, 0] += on_j * normal[row, 0]
         velocity[j, 1] += on_j * normal[row, 1]
+
+
+@compiled
+def start(contacts: Contacts, motion: DiscMotion) -> int:
+    """Change the velocities by the initial impulses; return the number of contacts."""
+    apply_impulses(contacts, contacts.impulse, motion.velocity, motion.mobility)
+    return int(contacts.total[0])
+
+
+@compiled_inside
+def span_of(some: Integers) -> tuple[Any, Any]:
+    """The first of some successive contacts, and one after the last: discs have no others (see `packed`)."""
+    begin = some[0] if len(some) > 0 else 0
+    return np.uint64(begin), np.uint64(begin + len(some))
+
+
+@compiled_inside
+def sweep(contacts: Contacts, motion: DiscMotion, some: Integers, relaxation: float) -> float:
+    """Perform one projected Gauss-Seidel sweep over some contacts. Returns the largest change, as a
+    relative velocity.
+    """
+    begin, end = span_of(some)
+    first, second, normal = contacts.first, contacts.second, contacts.normal
+    impulse, bound, weight, change = contacts.impulse, contacts.bound, contacts.weight, contacts.change
+    velocity, mobility = motion
+    largest = 0.0
+    for row in range(begin, end):
+        i, j = np.uint64(first[row]), np.uint64(second[row])
+        x, y = normal[row, 0], normal[row, 1]
+        speed = x * (velocity[j, 0] - velocity[i, 0]) + y * (velocity[j, 1] - velocity[i, 1])
+        new = max(impulse[row] + weight[row] * (bound[row] - speed), 0.0)
+        step = new - impulse[row]
+        impulse[row], change[row] = new, step
+        on_i, on_j = mobility[i] * step, mobility[j] * step
+        velocity[i, 0] -= on_i * x
+        velocity[i, 1] -= on_i * y
+        velocity[j, 0] += on_j * x
+        velocity[j, 1] += on_j * y
+        largest = max(largest, abs(on_i) + abs(on_j))
+    return largest
+
+
+@compiled_inside
+def residual(contacts: Contacts, motion: DiscMotion, some: Integers) -> float:
+    """The largest violation of the complementarity conditions (m/s): penetration, or impulse on separating bodies."""
+    begin, end = span_of(some)
+    first, second, normal = contacts.first, contacts.second, contacts.normal
+    impulse, bound, weight, velocity = contacts.impulse, contacts.bound, contacts.weight, motion.velocity
+    worst = 0.0
+    for row in range(begin, end):
+        i, j = np.uint64(first[row]), np.uint64(second[row])
+        along_x = normal[row, 0] * (velocity[j, 0] - velocity[i, 0])
+        excess = along_x + normal[row, 1] * (velocity[j, 1] - velocity[i, 1]) - bound[row]
+        if weight[row] > 0.0:
+            worst = max(worst, -excess, min(excess, impulse[row] / weight[row]))
+    return worst
+
+
+@compiled_inside
+def accelerate(contacts: Contacts, motion: DiscMotion, some: Integers, ratio: float) -> None:
+    """Step along the conjugate direction: p = max(p + ratio d, 0), then d = ratio d + the change of the last sweep."""
+    begin, end = span_of(some)
+    first, second, normal = contacts.first, contacts.second, contacts.normal
+    impulse, change, direction, step = contacts.impulse, contacts.change, contacts.direction, contacts.scratch
+    velocity, mobility = motion
+    for row in range(begin, end):
+        along, old = ratio * direction[row], impulse[row]
+        impulse[row] = max(old + along, 0.0)
+        step[row] = impulse[row] - old
+        direction[row] = along + change[row]
+    if ratio > 0.0:
+        for row in range(begin, end):
+            i, j = np.uint64(first[row]), np.uint64(second[row])
+            on_i, on_j = mobility[i] * step[row], mobility[j] * step[row]
+            velocity[i, 0] -= on_i * normal[row, 0]
+            velocity[i, 1] -= on_i * normal[row, 1]
+            velocity[j, 0] += on_j * normal[row, 0]
+            velocity[j, 1] += on_j * normal[row, 1]
+
+
+@compiled_inside
+def restart(contacts: Contacts | TorqueContacts, some: Integers) -> None:
+    """Set the conjugate direction of some contacts to zero."""
+    direction = contacts.direction
+    for row in some:
+        direction[row] = 0.0
+
+
+@compiled_inside
+def square(contacts: Contacts | TorqueContacts, some: Integers) -> float:
+    """The square of the last changes of some impulses."""
+    total, change = 0.0, contacts.change
+    for row in some:
+        total += change[row] ** 2
+    return total
+
+
+@compiled
+def islands(contacts: Contacts, motion: DiscMotion) -> Islands:
+    """The islands with an impulse or a change."""
+    return islands_among(contacts.first, contacts.second, busy_contacts(contacts), motion.mobility)
+
+
+@compiled
+def packed(contacts: Contacts, rows: Integers) -> tuple[Contacts, Integers]:
+    """A copy of some contacts, and their numbers in it: sweeps over successive rows are faster."""
+    some = make_contacts(len(rows))
+    some.total[0] = len(rows)
+    for place in range(len(rows)):
+        row = rows[place]
+        some.first[place], some.second[place], some.gap[place] = (
+            contacts.first[row],
+            contacts.second[row],
+            contacts.gap[row],
+        )
+        some.normal[place, 0], some.normal[place, 1] = contacts.normal[row, 0], contacts.normal[row, 1]
+        some.bound[place], some.weight[place] = contacts.bound[row], contacts.weight[row]
+        some.impulse[place], some.change[place] = contacts.impulse[row], contacts.change[row]
+    return some, np.arange(len(rows))
+
+
+@compiled
+def unpack(contacts: Contacts, some: Contacts, rows: Integers) -> None:
+    """Copy the impulses of a copy back to their rows."""
+    impulse, solved = contacts.impulse, some.impulse
+    for place in range(len(rows)):
+        impulse[rows[place]] = solved[place]
+
+
+@compiled
+def unpacked(rows: Any, some: Integers) -> tuple[Any, Integers]:
+    """Rows without a copy, and the numbers of some of them."""
+    return rows, some
+
+
+@compiled
+def busy_contacts(contacts: Contacts | TorqueContacts) -> Choice:
+    """Flags of the contacts with an impulse or a change."""
+    busy = np.empty(contacts.total[0], np.bool_)
+    for row in range(len(busy)):
+        busy[row] = contacts.impulse[row] != 0.0 or contacts.change[row] != 0.0
+    return busy
+
+
+@compiled
+def unknowns(contacts: Contacts | TorqueContacts) -> tuple[Array, Array, Array]:
+    """The impulses, the bounds of the relative velocities, and the effective masses."""
+    return contacts.impulse, contacts.bound, contacts.weight
+
+
+@compiled
+def normal_velocity(contacts: Contacts, motion: DiscMotion, row: int) -> float:
+    """Relative normal velocity of a contact."""
+    i, j, velocity = contacts.first[row], contacts.second[row], motion.velocity
+    along_x = contacts.normal[row, 0] * (velocity[j, 0] - velocity[i, 0])
+    return float(along_x + contacts.normal[row, 1] * (velocity[j, 1] - velocity[i, 1]))
+
+
+@compiled
+def add_impulse(contacts: Contacts, motion: DiscMotion, row: int, impulse: float) -> None:
+    """Change the velocities by an impulse of one contact."""
+    (velocity, mobility), i, j = motion, contacts.first[row], contacts.second[row]
+    for axis in range(2):
+        velocity[i, axis] -= mobility[i] * impulse * contacts.normal[row, axis]
+        velocity[j, axis] += mobility[j] * impulse * contacts.normal[row, axis]
+
+
+@compiled
+def columns(contacts: Contacts, motion: DiscMotion, rows: Integers) -> Array:
+    """The responses to unit impulses in the norm of kinetic energy, one column each; the last row is empty."""
+    first, second, mobility = contacts.first, contacts.second, motion.mobility
+    place, bodies = numbered(np.append(first[rows], second[rows]), len(mobility))
+    matrix = np.zeros((2 * bodies + 1, len(rows)))
+    for k in range(len(rows)):
+        i, j = first[rows[k]], second[rows[k]]
+        for axis in range(2):
+            matrix[2 * place[i] + axis, k] = -np.sqrt(mobility[i]) * contacts.normal[rows[k], axis]
+            matrix[2 * place[j] + axis, k] = np.sqrt(mobility[j]) * contacts.normal[rows[k], axis]
+    return matrix
 
 
 @compiled

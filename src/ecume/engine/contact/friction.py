@@ -2,7 +2,7 @@
 
 Signorini's and Coulomb's conditions for all contacts at once, as in Moreau's time stepping [moreau1988]: surfaces in
 contact stick if an impulse inside the cone can stop them, and otherwise slide against an impulse on its edge. The
-solver is in `sweeps`; each contact has one normal and one tangential row.
+solver is `impulse_solvers`; each contact has one normal and one tangential row.
 
 The tangent is the normal rotated counterclockwise, (-n_y, n_x). Both impulses act at the middle of the gap, so that the
 angular momentum of a pair, spins included, is conserved to rounding.
@@ -17,8 +17,8 @@ import numpy as np
 from ecume._jit import compiled
 from ecume.engine.cells import Integers
 from ecume.engine.contact import contacts as touching
-from ecume.engine.contact.contacts import Contacts, Memory, contact_keys
-from ecume.engine.contact.impulse_solvers import Islands, islands_among
+from ecume.engine.contact.contacts import Contacts, Memory, busy_contacts, contact_keys
+from ecume.engine.contact.islands import Islands, islands_among
 from ecume.units import Array
 
 
@@ -208,10 +208,20 @@ def square(system: FrictionalContacts, some: Integers) -> float:
 def islands(system: FrictionalContacts, motion: Motion) -> Islands:
     """The islands with an impulse or a change. A tangential impulse requires a normal one."""
     contacts = system.contacts
-    busy = np.empty(contacts.total[0], np.bool_)
-    for row in range(len(busy)):
-        busy[row] = contacts.impulse[row] != 0.0 or contacts.change[row] != 0.0
-    return islands_among(contacts.first, contacts.second, busy, motion.mobility)
+    return islands_among(contacts.first, contacts.second, busy_contacts(contacts), motion.mobility)
+
+
+RELAXATION, LEAST_RELAXATION = 0.7, 0.1
+"""Friction has no potential: in overconstrained rafts with mu near 1 the sweeps may cycle. Where they make no progress,
+the relaxation factor of the tangential rows is multiplied by RELAXATION, down to LEAST_RELAXATION, and then reset to 1:
+slow convergence needs a large factor, cycles need a small one, and the residual does not distinguish them.
+"""
+
+
+@compiled
+def relaxed(system: FrictionalContacts, relaxation: float) -> float:
+    """The next relaxation factor of the tangential rows."""
+    return RELAXATION * relaxation if relaxation > LEAST_RELAXATION else 1.0
 
 
 @compiled

@@ -4,8 +4,8 @@ with vectors.
 Contacts of bodies whose mobility is a full matrix: each impulse changes the velocities of all bodies. The conditions
 are those of `impulse_solvers`, with friction as in `friction`, for velocities w and W = J M J^T with a dense
 mobility M. Each row of the Jacobian J has at most six numbers. A change of an impulse adds its column of M J^T to all
-velocities; columns are computed when an impulse first becomes positive. The solver is in `sweeps`. All bodies move one
-another, so that all contacts are one island.
+velocities; columns are computed when an impulse first becomes positive. The solver is `impulse_solvers`. All bodies
+move one another, so that all contacts are one island.
 
 Contacts of bodies whose mobility is known by its products only: projected gradients. The conditions are those of
 `impulse_solvers`. Gauss-Seidel sweeps require the response to each single impulse; with the flow of ten
@@ -24,8 +24,10 @@ import numpy as np
 from ecume._jit import compiled, compiled_inside
 from ecume._portable import dot
 from ecume.engine.cells import Integers
+from ecume.engine.contact import friction
+from ecume.engine.contact.active_set import numbered
 from ecume.engine.contact.contacts import Contacts, normal_velocities
-from ecume.engine.contact.impulse_solvers import Islands, Tolerance
+from ecume.engine.contact.islands import Islands
 from ecume.units import Array
 
 ENTRIES = 6
@@ -206,6 +208,67 @@ def islands(system: CoupledContacts, motion: Array) -> Islands:
     return Islands(np.arange(total), np.array([0, total]))
 
 
+@compiled
+def relaxed(system: CoupledContacts, relaxation: float) -> float:
+    """The next relaxation factor of the tangential rows; without friction it stays."""
+    rubs = len(system.rows.impulse) > len(system.rows.bound)
+    return float(friction.relaxed(system, relaxation)) if rubs else relaxation
+
+
+@compiled
+def unknowns(system: CoupledContacts) -> tuple[Array, Array, Array]:
+    """The impulses, the bounds of the relative velocities, and the effective masses."""
+    return system.rows.impulse, system.rows.bound, system.rows.weight
+
+
+@compiled
+def normal_velocity(system: CoupledContacts, motion: Array, row: int) -> float:
+    """Relative normal velocity of a contact."""
+    return float(row_speed(system.rows.place, system.rows.value, row, motion))
+
+
+@compiled
+def add_impulse_of(system: CoupledContacts, motion: Array, row: int, impulse: float) -> None:
+    """Change the motion by an impulse of one contact."""
+    add_impulse(system.rows, row, impulse, system.mobility, motion)
+
+
+@compiled
+def columns(system: CoupledContacts, motion: Array, rows: Integers) -> Array:
+    """The responses to unit impulses in the norm of dissipated energy, L^T J^T with the mobility L L^T of the bodies
+    that touch; the last row is empty. Without columns if there is friction, whose velocities are no projection.
+    """
+    place, value, mobility = system.rows.place, system.rows.value, system.mobility
+    if len(system.rows.impulse) > len(system.rows.bound):
+        return np.zeros((1, len(rows)))
+    index, size = numbered(place[rows].flatten(), len(mobility))
+    there = np.empty(size, np.int64)
+    for row in rows:
+        for entry in range(ENTRIES):
+            there[index[place[row, entry]]] = place[row, entry]
+    root = cholesky(mobility, there)
+    matrix = np.zeros((size + 1, len(rows)))
+    for k in range(len(rows)):
+        for entry in range(ENTRIES):
+            at = index[place[rows[k], entry]]
+            for column in range(at + 1):
+                matrix[column, k] += root[at, column] * value[rows[k], entry]
+    return matrix
+
+
+@compiled
+def cholesky(matrix: Array, there: Integers) -> Array:
+    """The lower triangle L of some rows and columns of a positive definite matrix, L L^T."""
+    root = np.zeros((len(there), len(there)))
+    for i in range(len(there)):
+        for j in range(i + 1):
+            rest = matrix[there[i], there[j]]
+            for k in range(j):
+                rest -= root[i, k] * root[j, k]
+            root[i, j] = np.sqrt(rest) if i == j else rest / root[j, j]
+    return root
+
+
 MOST_PRODUCTS = 400
 
 
@@ -227,11 +290,11 @@ def residual_by_products(excess: Array, push: Array, weight: Array) -> float:
 
 
 def solve_by_products(
-    contacts: Contacts, velocity: Array, respond: Callable[[Array], Array], tolerance: Tolerance
+    contacts: Contacts, velocity: Array, respond: Callable[[Array], Array], target: float, acceptable: float
 ) -> int:
     """Solve for the forces in `contacts.impulse`, which are also the initial guess, and change velocities (N + walls,
-    2) by them; `respond(forces)` returns the velocities by forces on all bodies. Returns the number of products,
-    MOST_PRODUCTS + 1 if the residual is above `tolerance.acceptable`.
+    2) by them, until the residual (m/s) is below the target; `respond(forces)` returns the velocities by forces on all
+    bodies. Returns the number of products, MOST_PRODUCTS + 1 if the residual is not even `acceptable`.
     """
     total = int(contacts.total[0])
     scale, bound = np.sqrt(contacts.weight[:total]), contacts.bound[:total]
@@ -246,7 +309,7 @@ def solve_by_products(
     share = contacts.impulse[:total] / scale
     slope, products, length = gradient(share), 1, 1.0
     best, least = share, residual_by_products(slope / scale, scale * share, contacts.weight[:total])
-    while least > tolerance.target and products < MOST_PRODUCTS:
+    while least > target and products < MOST_PRODUCTS:
         other = np.maximum(share - length * slope, 0.0)
         steeper = gradient(other)
         products += 1
@@ -263,4 +326,4 @@ def solve_by_products(
     if best is not share:
         gradient(best)
     contacts.impulse[:total] = scale * best
-    return products if least <= max(tolerance.target, tolerance.acceptable) else MOST_PRODUCTS + 1
+    return products if least <= max(target, acceptable) else MOST_PRODUCTS + 1

@@ -19,7 +19,7 @@ from ecume.engine.contact import contacts as touching
 from ecume.engine.contact import friction
 from ecume.engine.contact.contacts import Contacts, Memory, contact_keys
 from ecume.engine.contact.friction import FrictionalContacts, Frictions, Motion
-from ecume.engine.contact.impulse_solvers import Islands
+from ecume.engine.contact.islands import Islands
 from ecume.units import Array
 
 

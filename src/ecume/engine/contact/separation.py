@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from ecume._jit import compiled
-from ecume.engine.contact import sweeps
+from ecume.engine.contact import impulse_solvers
 from ecume.engine.contact.contacts import Candidates, deepest_overlap
 from ecume.engine.contact.impulse_solvers import Tolerance
 from ecume.engine.contact.torque_contacts import OutlinedBodies, TorqueContacts, gather
@@ -32,7 +32,7 @@ def separate(
         for row in range(contacts.total[0]):
             contacts.impulse[row] = 0.0
             contacts.bound[row] = -contacts.gap[row] - 0.25 * slop
-        sweeps.solve(contacts, shift, Tolerance(1e-3 * slop, 1e-2 * slop))
+        impulse_solvers.solve(contacts, shift, Tolerance(1e-3 * slop, 1e-2 * slop))
         for i in range(len(position)):
             position[i, 0] += shift[i, 0]
             position[i, 1] += shift[i, 1]

@@ -1,9 +1,9 @@
-"""Contacts of bodies that rotate: Jacobian rows for velocities and spins, their sweeps and their exact solution.
+"""Contacts of bodies that rotate: Jacobian rows for velocities and spins, and the passes of the solver over them.
 
 The conditions are those of `contacts`, for generalized velocities w = (v_x, v_y, spin): each contact is a Jacobian row
 J of six numbers, three for each body, with J w >= bound, and the response M^-1 J^T of both bodies to a unit impulse.
-The solver is in `sweeps`. In a viscous liquid a body has different mobilities along and across itself. Impulses act
-along the line through both nearest points, so that momentum and angular momentum are conserved to rounding.
+The solver is `impulse_solvers`. In a viscous liquid a body has different mobilities along and across itself. Impulses
+act along the line through both nearest points, so that momentum and angular momentum are conserved to rounding.
 """
 
 from __future__ import annotations
@@ -13,10 +13,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ecume._jit import compiled, compiled_apart
+from ecume._jit import compiled
 from ecume.engine.cells import Integers
-from ecume.engine.contact.contacts import Candidates, ContactKeys
-from ecume.engine.contact.impulse_solvers import LARGEST, Islands, Tolerance, islands_among, least_distance, numbered
+from ecume.engine.contact.active_set import numbered
+from ecume.engine.contact.contacts import Candidates, ContactKeys, busy_contacts
+from ecume.engine.contact.islands import Islands, islands_among
 from ecume.engine.outlines import NEARNESS, Outlines, Stance, bodies_near, turn_corners, wall_near
 from ecume.engine.walls import Walls, wall_count
 from ecume.units import Array
@@ -235,109 +236,42 @@ def accelerate(contacts: TorqueContacts, velocity: Array, some: Integers, ratio:
 
 
 @compiled
-def restart(contacts: TorqueContacts, some: Integers) -> None:
-    """Set the conjugate direction of some contacts to zero."""
-    for row in some:
-        contacts.direction[row] = 0.0
-
-
-@compiled
-def square(contacts: TorqueContacts, some: Integers) -> float:
-    """The square of the last changes of some impulses."""
-    total = 0.0
-    for row in some:
-        total += contacts.change[row] ** 2
-    return total
-
-
-@compiled
 def islands(contacts: TorqueContacts, velocity: Array) -> Islands:
     """The islands with an impulse or a change."""
-    busy, moves = np.empty(contacts.total[0], np.bool_), np.zeros(len(velocity))
-    for row in range(len(busy)):
-        busy[row] = contacts.impulse[row] != 0.0 or contacts.change[row] != 0.0
+    moves = np.zeros(len(velocity))
+    for row in range(contacts.total[0]):
         for axis in range(3):
             moves[contacts.first[row]] += abs(contacts.response[row, axis])
             moves[contacts.second[row]] += abs(contacts.response[row, 3 + axis])
-    return islands_among(contacts.first, contacts.second, busy, moves)
+    return islands_among(contacts.first, contacts.second, busy_contacts(contacts), moves)
 
 
 @compiled
-def solve_exactly(contacts: TorqueContacts, velocity: Array, some: Integers, tolerance: Tolerance) -> int:
-    """Solve an island by the active-set method of `impulse_solvers`: 1 if the result is accepted. Nothing changes
-    otherwise.
-    """
-    if len(some) > LARGEST:
-        return 0
-    before, slower, count = np.empty(len(some)), velocity.copy(), 0
-    rows = np.empty(len(some), np.int64)
-    for row in some:
-        if contacts.bound[row] > -np.inf and contacts.weight[row] > 0.0:
-            rows[count], before[count] = row, contacts.impulse[row]
-            count += 1
-    if not nearest_motion(
-        rows[:count], contacts.first, contacts.second, contacts.jacobian, contacts.response, contacts.root,
-        contacts.bound, contacts.impulse, velocity,
-    ):  # fmt: skip
-        return 0
-    if residual(contacts, velocity, some) <= max(tolerance.target, tolerance.acceptable):
-        return 1
-    for place in range(count):
-        contacts.impulse[rows[place]] = before[place]
-    for body in range(len(velocity)):
-        for axis in range(3):
-            velocity[body, axis] = slower[body, axis]
-    return 0
+def normal_velocity(contacts: TorqueContacts, velocity: Array, row: int) -> float:
+    """Relative normal velocity J w of a contact."""
+    i, j, speed = contacts.first[row], contacts.second[row], 0.0
+    for axis in range(3):
+        speed += contacts.jacobian[row, axis] * velocity[i, axis] + contacts.jacobian[row, 3 + axis] * velocity[j, axis]
+    return speed
 
 
-@compiled_apart(
-    "int64[:]", "int64[:]", "int64[:]", "float64[:,:]", "float64[:,:]", "float64[:,:]", "float64[:]", "float64[:]",
-    "float64[:,:]",
-)  # fmt: skip
-def nearest_motion(
-    rows: Integers,
-    first: Integers,
-    second: Integers,
-    jacobian: Array,
-    response: Array,
-    root: Array,
-    bound: Array,
-    impulse: Array,
-    velocity: Array,
-) -> bool:
-    """Solve some contacts exactly, starting from impulses that are already included in `velocity`; change both. Return
-    False, without a change, if no solution was found.
-    """
-    place, bodies = numbered(first[rows], second[rows], len(velocity))
-    matrix, need, given = np.zeros((3 * bodies + 1, len(rows))), np.empty(len(rows)), np.empty(len(rows))
-    free, longest = velocity.copy(), 0.0
+@compiled
+def add_impulse(contacts: TorqueContacts, velocity: Array, row: int, impulse: float) -> None:
+    """Change the velocities and spins by an impulse of one contact."""
+    i, j = contacts.first[row], contacts.second[row]
+    for axis in range(3):
+        velocity[i, axis] += contacts.response[row, axis] * impulse
+        velocity[j, axis] += contacts.response[row, 3 + axis] * impulse
+
+
+@compiled
+def columns(contacts: TorqueContacts, velocity: Array, rows: Integers) -> Array:
+    """The responses to unit impulses in the norm of kinetic energy: see `contacts.columns`."""
+    first, second, root = contacts.first, contacts.second, contacts.root
+    place, bodies = numbered(np.append(first[rows], second[rows]), len(velocity))
+    matrix = np.zeros((3 * bodies + 1, len(rows)))
     for k in range(len(rows)):
-        row, length = rows[k], 0.0
-        given[k] = impulse[row]
         for axis in range(3):
-            matrix[3 * place[first[row]] + axis, k] = root[row, axis]
-            matrix[3 * place[second[row]] + axis, k] += root[row, 3 + axis]
-            length += root[row, axis] ** 2 + root[row, 3 + axis] ** 2
-            free[first[row], axis] -= response[row, axis] * impulse[row]
-            free[second[row], axis] -= response[row, 3 + axis] * impulse[row]
-        longest = max(longest, length)
-    strength = math.sqrt(longest)
-    for k in range(len(rows)):
-        row, speed = rows[k], 0.0
-        for axis in range(3):
-            speed += jacobian[row, axis] * free[first[row], axis] + jacobian[row, 3 + axis] * free[second[row], axis]
-        need[k] = bound[row] - speed
-        for entry in range(len(matrix)):
-            matrix[entry, k] /= strength
-    if not least_distance(matrix, strength, need, given):
-        return False
-    for k in range(len(rows)):
-        row = rows[k]
-        impulse[row] = given[k]
-        for axis in range(3):
-            free[first[row], axis] += response[row, axis] * given[k]
-            free[second[row], axis] += response[row, 3 + axis] * given[k]
-    for body in range(len(velocity)):
-        for axis in range(3):
-            velocity[body, axis] = free[body, axis]
-    return True
+            matrix[3 * place[first[rows[k]]] + axis, k] = root[rows[k], axis]
+            matrix[3 * place[second[rows[k]]] + axis, k] += root[rows[k], 3 + axis]
+    return matrix

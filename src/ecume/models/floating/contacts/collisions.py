@@ -23,8 +23,8 @@ import numpy as np
 from ecume._jit import compiled, compiled_inside, selected
 from ecume.engine.contact import contacts as touching
 from ecume.engine.contact import friction as coulomb
-from ecume.engine.contact import impulse_solvers, rolling, sweeps
-from ecume.engine.contact.contacts import Bodies, Contacts
+from ecume.engine.contact import impulse_solvers, rolling
+from ecume.engine.contact.contacts import Bodies, Contacts, DiscMotion
 from ecume.engine.contact.friction import FrictionalContacts, Motion
 from ecume.engine.contact.impulse_solvers import Tolerance
 from ecume.engine.contact.rolling import RollingContacts
@@ -111,8 +111,8 @@ def solve_with_friction(
 ) -> int:
     """Solve contacts with friction for these velocities and spins; return the number of sweeps."""
     touching.set_effective_masses(contacts, bodies.mobility)
-    sweeps.prepare(scratch.system, bodies.radius, (part.friction, part.rolling), motion)
-    return sweeps.solve(scratch.system, motion, goal)
+    impulse_solvers.prepare(scratch.system, bodies.radius, (part.friction, part.rolling), motion)
+    return impulse_solvers.solve(scratch.system, motion, goal)
 
 
 @compiled
@@ -120,7 +120,7 @@ def stop_with_friction(
     part: Friction, scratch: FrictionScratch, bodies: Bodies, contacts: Contacts, velocity: Array, goal: Tolerance
 ) -> int:
     """Stop all relative motion, starting from zero impulses; return the number of sweeps."""
-    sweeps.scale(scratch.system, np.zeros(contacts.total[0]))
+    impulse_solvers.scale(scratch.system, np.zeros(contacts.total[0]))
     motion = Motion(velocity, scratch.before, bodies.mobility, part.spin_mobility)
     return solve_with_friction(part, scratch, bodies, contacts, motion, goal)
 
@@ -132,8 +132,8 @@ def push_with_friction(
     """Apply the impulses of collisions to the midstep velocities and the spins."""
     for row in range(contacts.total[0]):
         contacts.impulse[row] *= contacts.scratch[row]
-    sweeps.scale(scratch.system, contacts.scratch[: contacts.total[0]])
-    sweeps.start(scratch.system, Motion(midstep_velocity, scratch.spin, bodies.mobility, part.spin_mobility))
+    impulse_solvers.scale(scratch.system, contacts.scratch[: contacts.total[0]])
+    impulse_solvers.start(scratch.system, Motion(midstep_velocity, scratch.spin, bodies.mobility, part.spin_mobility))
 
 
 @compiled
@@ -148,13 +148,13 @@ def continue_with_friction(
 @compiled
 def recall_friction(part: Friction, scratch: FrictionScratch, state: State) -> None:
     """Start from the tangential impulses and couples of the previous step."""
-    sweeps.recall(scratch.system, memory_of(state), state.friction_impulse)
+    impulse_solvers.recall(scratch.system, memory_of(state), state.friction_impulse)
 
 
 @compiled
 def remember_friction(part: Friction, scratch: FrictionScratch, state: State) -> None:
     """Store the tangential impulses and couples for the next step."""
-    sweeps.remember(scratch.system, memory_of(state), state.friction_impulse)
+    impulse_solvers.remember(scratch.system, memory_of(state), state.friction_impulse)
 
 
 @compiled
@@ -407,7 +407,7 @@ def count_bounces(contacts: Contacts, of_float: Array) -> float:
 def solve_smooth(part: Any, scratch: Any, bodies: Bodies, contacts: Contacts, velocity: Array, goal: Tolerance) -> int:
     """Solve contacts without friction; return the number of sweeps."""
     touching.set_effective_masses(contacts, bodies.mobility)
-    return impulse_solvers.solve(contacts, velocity, bodies.mobility, goal)
+    return impulse_solvers.solve(contacts, DiscMotion(velocity, bodies.mobility), goal)
 
 
 @compiled

@@ -521,8 +521,8 @@ def push_on_grid(
         return moved
 
     fastest = float(np.max(contacts.bound[:total] - contacts.scratch[:total]))
-    goal = Tolerance(max(tolerance.target, RESIDUAL * fastest), TOLERABLE * parameters.slop / parameters.time_step)
-    products = mobility_contacts.solve_by_products(contacts, velocity, respond, goal)
+    target, acceptable = max(tolerance.target, RESIDUAL * fastest), TOLERABLE * parameters.slop / parameters.time_step
+    products = mobility_contacts.solve_by_products(contacts, velocity, respond, target, acceptable)
     state.tally[SWEEPS] += products
     state.tally[UNCONVERGED] += 1.0 if products > mobility_contacts.MOST_PRODUCTS else 0.0
     force = np.zeros_like(velocity)

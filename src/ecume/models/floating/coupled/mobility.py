@@ -28,7 +28,6 @@ from ecume._jit import admit, compiled, compiled_inside, composed
 from ecume.engine.cells import Integers
 from ecume.engine.contact import contacts as touching
 from ecume.engine.contact import impulse_solvers, mobility_contacts
-from ecume.engine.contact import sweeps as solver
 from ecume.engine.contact.contacts import Contacts, Memory
 from ecume.engine.contact.impulse_solvers import Tolerance
 from ecume.engine.contact.mobility_contacts import CoupledContacts, DenseRows, make_dense_rows
@@ -385,7 +384,7 @@ def collide_coupled(
         rows = dense_rows_of(part, contacts, parameters, len(scratch.motion))
         if turning:
             recall_friction(rows, contacts, memory, state.friction_impulse, parameters.time_step)
-        sweeps = solver.solve(CoupledContacts(rows, scratch.mobility), scratch.motion, goal)
+        sweeps = impulse_solvers.solve(CoupledContacts(rows, scratch.mobility), scratch.motion, goal)
         state.tally[SWEEPS] += sweeps
         state.tally[UNCONVERGED] += 1.0 if sweeps > impulse_solvers.MOST_SWEEPS else 0.0
         keep_impulses(rows, contacts, parameters, scratch)

@@ -17,7 +17,6 @@ import numpy as np
 from ecume._jit import admit, compiled, composed
 from ecume.engine.cells import Integers
 from ecume.engine.contact import contacts, impulse_solvers
-from ecume.engine.contact import sweeps as solver
 from ecume.engine.contact import torque_contacts as touching
 from ecume.engine.contact.contacts import Memory, deepest_overlap
 from ecume.engine.contact.separation import separate
@@ -472,7 +471,7 @@ def bounce(scratch: ShapedScratch, parameters: Parameters, state: State, workspa
         return
     clear_impulses(levers)
     goal = goal_for(parameters, fastest)
-    state.tally[SWEEPS] += solver.solve(levers, scratch.before, goal)
+    state.tally[SWEEPS] += impulse_solvers.solve(levers, scratch.before, goal)
     share_restitution(parameters, levers, of_float)
     for row in range(levers.total[0]):
         if levers.impulse[row] > 0.0:
@@ -489,7 +488,7 @@ def solve_contacts(parameters: Parameters, state: State, levers: TorqueContacts,
     touching.normal_velocities(levers, velocity, levers.scratch)
     goal = goal_of(parameters, levers)
     if goal.target > 0.0:
-        sweeps = solver.solve(levers, velocity, goal)
+        sweeps = impulse_solvers.solve(levers, velocity, goal)
         state.tally[SWEEPS] += sweeps
         state.tally[UNCONVERGED] += 1.0 if sweeps > impulse_solvers.MOST_SWEEPS else 0.0
     else:
