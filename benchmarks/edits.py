@@ -45,7 +45,7 @@ EDITS = (
     Edit("a formula: a film", "laws/soft_pair.py", " * contact_size**2 / gap\n", " / gap * contact_size**2\n"),
     Edit("a formula: a kernel", "laws/kernels.py", "(left * left) * (1.0 + 2.0 * q)", "left * left * (2.0 * q + 1.0)"),
     Edit("a docstring: contacts", "models/floating/contacts/collisions.py", '"""', '"""Edited. '),
-    Edit("a tolerance: contacts", "engine/contact/impulse_solvers.py", "SWEEPS_BEFORE_ACTIVE_SET = 4_000", "SWEEPS_BEFORE_ACTIVE_SET = 4_001"),
+    Edit("a tolerance: contacts", "engine/contact/impulse_solvers.py", "STALLS = 128", "STALLS = 127"),
     Edit("a figure", "show/floating/figures.py", '"""', '"""Edited. '),
     Edit("a message", "scenes/faults.py", '"""', '"""Edited. '),
     Edit("a report: `check`", "models/floating/check_report.py", '"""', '"""Edited. '),
