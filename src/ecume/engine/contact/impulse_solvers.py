@@ -71,6 +71,10 @@ class RowKind(NamedTuple):
     """square(rows, some): of the last changes"""
     islands: Callable[..., Any]
     """islands(rows, motion): those with an impulse or a change"""
+    keys: Callable[..., Any] | None = None
+    """keys(rows): the keys of the warm start of normal rows"""
+    speeds: Callable[..., None] | None = None
+    """speeds(rows, velocity, speed): write the relative normal velocities of all contacts"""
     packed: Callable[..., Any] = contacts.unpacked
     """packed(rows, some): rows that may be a copy of some of them, and the numbers of these"""
     unpack: Callable[..., None] | None = None
@@ -183,8 +187,9 @@ def solve_exactly(rows: Any, motion: Any, some: Integers, tolerance: Tolerance) 
 ROWS: dict[type, RowKind] = {
     Contacts: RowKind(
         contacts.start, contacts.sweep, contacts.residual, contacts.accelerate, contacts.restart, contacts.square,
-        contacts.islands, contacts.packed, contacts.unpack, exactly=solve_exactly, unknowns=contacts.unknowns,
-        speed=contacts.normal_velocity, add=contacts.add_impulse, columns=contacts.columns,
+        contacts.islands, contacts.contact_keys, contacts.normal_velocities, contacts.packed, contacts.unpack,
+        exactly=solve_exactly, unknowns=contacts.unknowns, speed=contacts.normal_velocity, add=contacts.add_impulse,
+        columns=contacts.columns,
     ),
     FrictionalContacts: RowKind(
         friction.start, friction.sweep, friction.residual, friction.accelerate, friction.restart, friction.square,
@@ -198,7 +203,8 @@ ROWS: dict[type, RowKind] = {
     ),
     TorqueContacts: RowKind(
         torque_contacts.start, torque_contacts.sweep, torque_contacts.residual, torque_contacts.accelerate,
-        contacts.restart, contacts.square, torque_contacts.islands, exactly=solve_exactly, unknowns=contacts.unknowns,
+        contacts.restart, contacts.square, torque_contacts.islands, torque_contacts.contact_keys,
+        torque_contacts.normal_velocities, exactly=solve_exactly, unknowns=contacts.unknowns,
         speed=torque_contacts.normal_velocity, add=torque_contacts.add_impulse, columns=torque_contacts.columns,
     ),
     CoupledContacts: RowKind(

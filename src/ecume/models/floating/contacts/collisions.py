@@ -29,6 +29,7 @@ from ecume.engine.contact.friction import FrictionalContacts, Motion
 from ecume.engine.contact.impulse_solvers import Tolerance
 from ecume.engine.contact.rolling import RollingContacts
 from ecume.engine.contact.torque_contacts import TorqueContacts
+from ecume.engine.outlines import Outlines
 from ecume.laws import drag, flotation
 from ecume.models.floating.contacts.thermal_collisions import Flow, collide_on_paths, require_distances
 from ecume.models.floating.options import Built
@@ -233,6 +234,16 @@ class Impulses(NamedTuple):
     """whether floats collide only if they already overlap, as in the original program"""
 
 
+class Outlined(NamedTuple):
+    """Contacts between outlines, with lever arms."""
+
+    outlines: Outlines
+    places: int
+    """the largest number of contact points of two bodies"""
+    overlapping: bool = False
+    """see `Impulses`"""
+
+
 class BrownianImpulses(Impulses):
     """The same of Brownian floats."""
 
@@ -363,10 +374,20 @@ def share_restitution(parameters: Parameters, contacts: Contacts | TorqueContact
 
 
 @compiled
-def bounce(part: Any, scratch: Any, parameters: Parameters, state: State, workspace: Workspace) -> None:
-    """Apply collisions to the midstep velocities: (1 + e) times the impulses that stop all approaches."""
-    contacts, before, of_float = workspace.contacts, workspace.before, workspace.restitution
-    touching.normal_velocities(contacts, before, contacts.scratch)
+def bounce(
+    part: Any,
+    scratch: Any,
+    parameters: Parameters,
+    state: State,
+    contacts: Contacts | TorqueContacts,
+    velocities: tuple[Array, Array],
+    of_float: Array,
+) -> None:
+    """Apply collisions to the midstep velocities: (1 + e) times the impulses that stop all approaches. `velocities` are
+    those before the kick, which this overwrites, and at midstep; `of_float` (N,) receives the restitutions.
+    """
+    before, midstep_velocity = velocities
+    normal_velocities(contacts, before, contacts.scratch)
     fastest = require_stops(part.overlapping, parameters, contacts)
     if fastest <= 0.0:
         return
@@ -375,7 +396,7 @@ def bounce(part: Any, scratch: Any, parameters: Parameters, state: State, worksp
     state.tally[SWEEPS] += stop(part, scratch, contact_bodies(parameters), contacts, before, goal)
     share_restitution(parameters, contacts, of_float)
     state.tally[COLLISIONS] += count_bounces(contacts, of_float)
-    push(part, scratch, contact_bodies(parameters), contacts, workspace.midstep_velocity)
+    push(part, scratch, contact_bodies(parameters), contacts, midstep_velocity)
     add_pushes(part, state.tally, contacts, len(parameters.floats.radius))
 
 
@@ -393,7 +414,7 @@ def clear_impulses(contacts: Contacts | TorqueContacts) -> None:
 
 
 @compiled
-def count_bounces(contacts: Contacts, of_float: Array) -> float:
+def count_bounces(contacts: Contacts | TorqueContacts, of_float: Array) -> float:
     """Return the number of collisions; store the factor of each impulse in `scratch`."""
     count = 0.0
     for row in range(contacts.total[0]):
@@ -452,6 +473,24 @@ def collide_together(part: Any, parameters: Parameters, state: State, workspace:
 
 
 @compiled
+def solve_outlines(
+    part: Outlined, scratch: Any, bodies: Bodies, contacts: TorqueContacts, velocity: Array, goal: Tolerance
+) -> int:
+    """Solve contacts between outlines for velocities and spins; return the number of sweeps."""
+    return impulse_solvers.solve(contacts, velocity, goal)
+
+
+@compiled
+def push_outlines(
+    part: Outlined, scratch: Any, bodies: Bodies, contacts: TorqueContacts, midstep_velocity: Array
+) -> None:
+    """Apply the impulses of collisions to the midstep velocities and spins."""
+    for row in range(contacts.total[0]):
+        contacts.impulse[row] *= contacts.scratch[row]
+    impulse_solvers.start(contacts, midstep_velocity)
+
+
+@compiled
 def add_pushes_on_walls(part: Any, tally: Array, contacts: Contacts, count: int) -> None:
     """Add the impulses of contacts on each wall to those of this step."""
     for row in range(contacts.total[0]):
@@ -487,9 +526,12 @@ SOLVERS: dict[type, Solver] = {
     Friction: ROUGH,
     BrownianFriction: ROUGH._replace(collide_by_noise=collide_together),
     BarrierFriction: ROUGH._replace(add_pushes=add_pushes_on_walls, still=still_before_barrier),
+    Outlined: Solver(solve_outlines, push_outlines, solve_outlines),
 }
 """The solvers by type of the part."""
 
+normal_velocities = selected(impulse_solvers.ROWS, "speeds")
+contact_keys = selected(impulse_solvers.ROWS, "keys")
 stop = selected(SOLVERS, "stop")
 push = selected(SOLVERS, "push")
 solve = selected(SOLVERS, "solve")
@@ -513,13 +555,18 @@ def goal_of(parameters: Parameters, contacts: Contacts | TorqueContacts) -> Tole
 
 @compiled
 def solve_contacts(
-    part: Any, scratch: Any, parameters: Parameters, state: State, workspace: Workspace, velocity: Array
+    part: Any,
+    scratch: Any,
+    parameters: Parameters,
+    state: State,
+    contacts: Contacts | TorqueContacts,
+    velocity: Array,
 ) -> None:
     """Solve for impulses on `velocity`, starting from those of the previous solve, and store them."""
-    contacts, memory = workspace.contacts, memory_of(state)
+    memory = memory_of(state)
     recall(part, scratch, state)
-    touching.recall(touching.contact_keys(contacts), contacts.impulse, memory, memory.impulse)
-    touching.normal_velocities(contacts, velocity, contacts.scratch)
+    touching.recall(contact_keys(contacts), contacts.impulse, memory, memory.impulse)
+    normal_velocities(contacts, velocity, contacts.scratch)
     goal = goal_of(parameters, contacts)
     most = 0
     if goal.target > 0.0:
@@ -529,7 +576,7 @@ def solve_contacts(
     add_pushes(part, state.tally, contacts, len(parameters.floats.radius))
     state.tally[SWEEPS] += most
     state.tally[UNCONVERGED] += 1.0 if most > impulse_solvers.MOST_SWEEPS else 0.0
-    touching.remember(touching.contact_keys(contacts), contacts.impulse, memory, memory.impulse)
+    touching.remember(contact_keys(contacts), contacts.impulse, memory, memory.impulse)
     remember(part, scratch, state)
 
 
@@ -540,17 +587,17 @@ def collide(part: Any, scratch: Any, parameters: Parameters, state: State, works
 
     The velocities change with the midstep velocities. `before`, the velocities before the kick, is overwritten.
     """
-    contacts = workspace.contacts
+    contacts, midstep_velocity = workspace.contacts, workspace.midstep_velocity
     load_spins(part, scratch, parameters, state, False)
     # Twice the travel for a head-on pair, and twice again for floats that others push.
     reach = 4.0 * workspace.travel[0] + parameters.slop
     touching.gather(contacts, workspace.candidates, state.position, contact_bodies(parameters), reach)
     split_velocities(parameters, state, workspace)
-    bounce(part, scratch, parameters, state, workspace)
+    bounce(part, scratch, parameters, state, contacts, (workspace.before, midstep_velocity), workspace.restitution)
     require_gaps(part.overlapping, parameters, contacts)
     collide_by_noise(part, parameters, state, workspace)
-    solve_contacts(part, scratch, parameters, state, workspace, workspace.midstep_velocity)
-    add_rows(state.velocity, workspace.midstep_velocity)
+    solve_contacts(part, scratch, parameters, state, contacts, midstep_velocity)
+    add_rows(state.velocity, midstep_velocity)
     store_spins(part, scratch, parameters, state, False)
 
 
@@ -621,7 +668,7 @@ def constrain_velocities(part: Any, scratch: Any, parameters: Parameters, state:
     touching.normal_velocities(contacts, before, contacts.change)
     touching.normal_velocities(contacts, midstep_velocity, contacts.scratch)
     require_rest(parameters, contacts, float(still(part, parameters, before)))
-    solve_contacts(part, scratch, parameters, state, workspace, midstep_velocity)
+    solve_contacts(part, scratch, parameters, state, contacts, midstep_velocity)
     copy_rows(state.velocity, midstep_velocity)
     store_spins(part, scratch, parameters, state, True)
 

@@ -23,6 +23,7 @@ from ecume.models.floating.contacts.collisions import (
     VARIANTS,
     Friction,
     Impulses,
+    Outlined,
     collide,
     constrain_velocities,
     friction_at_step,
@@ -43,7 +44,6 @@ from ecume.models.floating.options import Built, Option
 from ecume.models.floating.parameters import Parameters, State, Workspace
 from ecume.models.floating.setup.overlaps import Gaps, gaps_of_outlines, separated_outlines
 from ecume.models.floating.shaped.bodies import (
-    Outlined,
     Shaped,
     collide_outlines,
     constrain_outline_velocities,

@@ -17,8 +17,8 @@ from ecume.engine.contact.contacts import Candidates
 from ecume.engine.contact.separation import separate
 from ecume.engine.outlines import NEARNESS, Outlines, Stance, bodies_near, turn_corners, wall_near
 from ecume.engine.walls import Walls, wall_count
+from ecume.models.floating.contacts.collisions import Outlined
 from ecume.models.floating.parameters import Parameters
-from ecume.models.floating.shaped.bodies import Outlined
 from ecume.units import Array
 
 SLIGHT, MOST_SWEEPS = 0.02, 1000

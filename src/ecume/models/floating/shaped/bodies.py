@@ -16,9 +16,8 @@ import numpy as np
 
 from ecume._jit import admit, compiled, composed
 from ecume.engine.cells import Integers
-from ecume.engine.contact import contacts, impulse_solvers
 from ecume.engine.contact import torque_contacts as touching
-from ecume.engine.contact.contacts import Memory, deepest_overlap
+from ecume.engine.contact.contacts import deepest_overlap
 from ecume.engine.contact.separation import separate
 from ecume.engine.contact.torque_contacts import OutlinedBodies, TorqueContacts, make_torque_contacts
 from ecume.engine.neighbors import NeighborLists
@@ -29,23 +28,18 @@ from ecume.laws import brownian_motion, capillarity, special
 from ecume.laws.brownian_motion import diffusivity, reflected_gain
 from ecume.laws.capillarity import pair_energy, pair_force
 from ecume.models.floating.contacts.collisions import (
-    clear_impulses,
-    goal_for,
-    goal_of,
+    Outlined,
+    bounce,
     require_gaps,
     require_rest,
-    require_stops,
-    share_restitution,
+    solve_contacts,
 )
 from ecume.models.floating.dishes import acts, wall_energy, wall_force
 from ecume.models.floating.parameters import (
     CAPILLARY_LENGTH,
-    COLLISIONS,
     CUTOFF,
     DEEPEST,
     STRENGTH,
-    SWEEPS,
-    UNCONVERGED,
     WORK,
     Parameters,
     Parts,
@@ -87,14 +81,6 @@ class RigidKicks(NamedTuple):
     """(N,) kg m^2"""
     friction: Array
     """(N, 3) see `Shaped`"""
-
-
-class Outlined(NamedTuple):
-    """Contacts between outlines, with lever arms."""
-
-    outlines: Outlines
-    places: int
-    """the largest number of contact points of two bodies"""
 
 
 class ShapedScratch(NamedTuple):
@@ -461,51 +447,16 @@ def store_rigid(part: RigidKicks, scratch: ShapedScratch, state: State) -> None:
 
 
 @compiled
-def bounce(scratch: ShapedScratch, parameters: Parameters, state: State, workspace: Workspace) -> None:
-    """Apply collisions to the midstep velocities: (1 + e) times the impulses that stop all approaches."""
-    of_float = workspace.restitution
-    levers = scratch.levers
-    touching.normal_velocities(levers, scratch.before, levers.scratch)
-    fastest = require_stops(False, parameters, levers)
-    if fastest <= 0.0:
-        return
-    clear_impulses(levers)
-    goal = goal_for(parameters, fastest)
-    state.tally[SWEEPS] += impulse_solvers.solve(levers, scratch.before, goal)
-    share_restitution(parameters, levers, of_float)
-    for row in range(levers.total[0]):
-        if levers.impulse[row] > 0.0:
-            state.tally[COLLISIONS] += 1.0
-            levers.impulse[row] *= 1.0 + of_float[levers.first[row]]
-    touching.start(levers, scratch.midstep_velocity)
-
-
-@compiled
-def solve_contacts(parameters: Parameters, state: State, levers: TorqueContacts, velocity: Array) -> None:
-    """Solve for impulses on `velocity`, starting from those of the previous solve, and store them."""
-    memory = Memory(state.touches, state.touching, state.contact_impulse)
-    contacts.recall(touching.contact_keys(levers), levers.impulse, memory, memory.impulse)
-    touching.normal_velocities(levers, velocity, levers.scratch)
-    goal = goal_of(parameters, levers)
-    if goal.target > 0.0:
-        sweeps = impulse_solvers.solve(levers, velocity, goal)
-        state.tally[SWEEPS] += sweeps
-        state.tally[UNCONVERGED] += 1.0 if sweeps > impulse_solvers.MOST_SWEEPS else 0.0
-    else:
-        clear_impulses(levers)
-    contacts.remember(touching.contact_keys(levers), levers.impulse, memory, memory.impulse)
-
-
-@compiled
 def collide_outlines(
     part: Outlined, scratch: ShapedScratch, parameters: Parameters, state: State, workspace: Workspace
 ) -> None:
     """Solve collisions, then a plastic solve for the midstep velocities, so that no float overlaps another."""
-    bounce(scratch, parameters, state, workspace)
-    require_gaps(False, parameters, scratch.levers)
+    levers, velocities = scratch.levers, (scratch.before, scratch.midstep_velocity)
+    bounce(part, scratch, parameters, state, levers, velocities, workspace.restitution)
+    require_gaps(part.overlapping, parameters, levers)
     if parameters.drift.thermal > 0.0:
         require_reflected_gaps(parameters, state, scratch)
-    solve_contacts(parameters, state, scratch.levers, scratch.midstep_velocity)
+    solve_contacts(part, scratch, parameters, state, levers, scratch.midstep_velocity)
 
 
 UNLIKELY = 20.0
@@ -562,7 +513,7 @@ def constrain_outline_velocities(
     touching.normal_velocities(levers, scratch.before, levers.change)
     touching.normal_velocities(levers, scratch.midstep_velocity, levers.scratch)
     require_rest(parameters, levers, 0.0)
-    solve_contacts(parameters, state, levers, scratch.midstep_velocity)
+    solve_contacts(part, scratch, parameters, state, levers, scratch.midstep_velocity)
 
 
 @compiled
