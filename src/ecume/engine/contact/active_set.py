@@ -24,8 +24,8 @@ LARGEST = 512
 larger islands are left to sweeps.
 """
 DEPENDENT = 1e-12
-"""The norm of a column's component orthogonal to the others, over its own norm, below which it counts as dependent: 100
-times larger, contacts of braced rafts would be left out by whose conditions others close at a billionth of the speeds.
+"""The norm of a column's component orthogonal to the others, over its own norm, below which it counts as dependent.
+With a hundred times this, contacts of braced rafts closed at a billionth of the speeds.
 """
 OPTIMAL = 1e-13
 """The largest gradient that still counts as zero, where the longest columns are about one."""

@@ -7,7 +7,7 @@ projection, and the warm start.
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -17,9 +17,6 @@ from ecume.engine.contact.active_set import numbered
 from ecume.engine.contact.islands import Choice, Islands, islands_among
 from ecume.engine.walls import Walls, wall_count, wall_distance
 from ecume.units import Array
-
-if TYPE_CHECKING:
-    from ecume.engine.contact.torque_contacts import TorqueContacts
 
 MOST_ROUNDS = 20_000
 
@@ -271,15 +268,15 @@ def accelerate(contacts: Contacts, motion: DiscMotion, some: Integers, ratio: fl
 
 
 @compiled_inside
-def restart(contacts: Contacts | TorqueContacts, some: Integers) -> None:
-    """Set the conjugate direction of some contacts to zero."""
+def restart(contacts: Any, some: Integers) -> None:
+    """Set the conjugate direction of some contacts, of discs or other bodies, to zero."""
     direction = contacts.direction
     for row in some:
         direction[row] = 0.0
 
 
 @compiled_inside
-def square(contacts: Contacts | TorqueContacts, some: Integers) -> float:
+def square(contacts: Any, some: Integers) -> float:
     """The square of the last changes of some impulses."""
     total, change = 0.0, contacts.change
     for row in some:
@@ -326,7 +323,7 @@ def unpacked(rows: Any, some: Integers) -> tuple[Any, Integers]:
 
 
 @compiled
-def busy_contacts(contacts: Contacts | TorqueContacts) -> Choice:
+def busy_contacts(contacts: Any) -> Choice:
     """Flags of the contacts with an impulse or a change."""
     busy = np.empty(contacts.total[0], np.bool_)
     for row in range(len(busy)):
@@ -335,7 +332,7 @@ def busy_contacts(contacts: Contacts | TorqueContacts) -> Choice:
 
 
 @compiled
-def unknowns(contacts: Contacts | TorqueContacts) -> tuple[Array, Array, Array]:
+def unknowns(contacts: Any) -> tuple[Array, Array, Array]:
     """The impulses, the bounds of the relative velocities, and the effective masses."""
     return contacts.impulse, contacts.bound, contacts.weight
 

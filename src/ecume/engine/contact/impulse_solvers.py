@@ -13,9 +13,9 @@ needs, and islands without impulses are skipped. Otherwise the pairs that most i
 until the largest island converges.
 
 The type of the rows selects the passes over them: discs, to which friction adds tangential rows and rolling resistance
-couples, bodies of any shape, and bodies that move one another. Each has loops of its own, because each further number
-in those of discs would slow down every raft. Islands on which sweeps do not converge are solved exactly (`active_set`)
-where the velocities are a projection: with friction they are not.
+couples, bodies of any shape, and bodies that move one another. Each type has separate loops, because each further
+number in those of discs would slow down every raft. Islands on which sweeps do not converge are solved exactly
+(`active_set`) where the velocities are a projection: with friction they are not.
 """
 
 from __future__ import annotations
