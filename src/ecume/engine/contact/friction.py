@@ -10,7 +10,7 @@ angular momentum of a pair, spins included, is conserved to rounding.
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -219,8 +219,8 @@ slow convergence needs a large factor, cycles need a small one, and the residual
 
 
 @compiled
-def relaxed(system: FrictionalContacts, relaxation: float) -> float:
-    """The next relaxation factor of the tangential rows."""
+def relaxed(system: Any, relaxation: float) -> float:
+    """The next relaxation factor of the tangential rows, of any type."""
     return RELAXATION * relaxation if relaxation > LEAST_RELAXATION else 1.0
 
 

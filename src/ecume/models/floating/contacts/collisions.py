@@ -199,7 +199,8 @@ def friction_at_step(part: Friction, parameters: Parameters, turned: Array | Non
     decay, spin_mobility = spin_kick(parameters, part.inertia, friction)
     walls = np.zeros(len(parameters.kick.mobility) - len(spin_mobility))
     timed = part._replace(decay=decay, spin_mobility=np.concatenate([spin_mobility, walls]))
-    return variant_of(timed, parameters, pushed)
+    found: Friction = variant_of(timed, parameters, pushed)
+    return found
 
 
 def float_inertia(kind: FloatKind) -> float:
