@@ -33,7 +33,7 @@ from ecume.scenes.load import load_scene
 from ecume.simulation import simulate
 from ecume.trajectories.exports import export
 from ecume.trajectories.reader import open_trajectory
-from ecume.trajectories.records import DONE, identity
+from ecume.trajectories.records import DONE, PARTS_OF_RUNS, identity
 
 pytestmark = [
     pytest.mark.filterwarnings("ignore:.*damaged after the run was done"),
@@ -433,3 +433,17 @@ def test_a_simulation_that_needs_threads_is_refused_after_a_fork(
     head = 'model = "floating"\nduration = "1 ms"\nframe_every = "1 ms"\n[dish]\nradius = "60 mm"\n[[particles]]\n'
     with pytest.raises(RuntimeError, match="spawn"):  # lists of neighbors are made before the first step
         next(simulate(load_scene(f"{head}count = {_jit.SEVERAL}\n{floats}\n")))
+
+
+def test_no_export_replaces_a_file_of_a_run(made: RunDirectory, tmp_path: Path) -> None:
+    """Nor one of another run, nor through a link; under any other name it is written, twice."""
+    files = [path for path in made.path.rglob("*") if path.is_file()]
+    before = {path: path.read_bytes() for path in files}
+    assert {path.name for path in made.parts()} - {"traj", "ckpt"} == PARTS_OF_RUNS - {"lock"}
+    (tmp_path / "link.csv").symlink_to(made.scene)
+    for path in [*files, tmp_path / "link.csv"]:
+        with pytest.raises(StorageError, match="is a file of a run, and is not replaced; expected another name"):
+            export(made.path, "csv", path)
+    assert {path: path.read_bytes() for path in files} == before
+    for name in ("frames.csv", "results/scene.toml", "frames.csv", "traj/frames.csv", "traj/frames.csv"):
+        assert export(made.path, "csv", tmp_path / "run" / name).exists()

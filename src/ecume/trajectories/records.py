@@ -54,15 +54,35 @@ def _explanation(error: OSError, path: Path) -> str:
     return f"{path}: {error.strerror or error}"
 
 
+PARTS_OF_RUNS = {
+    "scene.toml", "resolved.json", "constants.npz", "manifest.json", "lock", "scalars.jsonl", "samples.csv",
+    "samples-checksums.jsonl", "log.jsonl", "status.json", "watch.json", "DONE.json", "FAILED.json",
+    "ro-crate-metadata.json",
+}  # fmt: skip
+"""The names of the files of a run beside its folders."""
+FOLDERS_OF_RUNS = {"traj": ".gsd", "ckpt": ".npz"}
+"""The endings of the files in each folder of a run."""
+
+
+def _is_part_of_a_run(path: Path) -> bool:
+    """Whether a run consists of this file and others: it has one of their names, or is in one of its folders."""
+    inside = FOLDERS_OF_RUNS.get(path.parent.name, "") == path.suffix != ""
+    home = path.parent.parent if inside else path.parent
+    is_run = (home / "traj").is_dir() and any((home / name).is_file() for name in ("resolved.json", "manifest.json"))
+    return (inside or path.name in PARTS_OF_RUNS) and is_run
+
+
 def replaceable(path: Path) -> Path:
-    """The plain file to which `path` refers, with links followed. Raises StorageError for a folder, and for a device or
-    a pipe: replacing `/dev/stdout` by a file would damage the system.
+    """The plain file to which `path` refers, with links followed. Raises StorageError for a folder, for a file of a
+    run, and for a device or a pipe: replacing `/dev/stdout` by a file would damage the system.
     """
     there = Path(os.path.realpath(path))
     if there.is_dir():
         raise StorageError(f"{path}: is a folder; expected a file, or a name that is free")
     if there.exists() and not there.is_file():
         raise StorageError(f"{path}: is not a plain file, and is not changed")
+    if there.exists() and _is_part_of_a_run(there):
+        raise StorageError(f"{path}: is a file of a run, and is not replaced; expected another name")
     return there
 
 
