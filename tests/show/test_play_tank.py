@@ -361,6 +361,11 @@ def test_the_command_line_plays_with_a_tank_of_its_own_or_with_a_scene_but_not_w
     both = CliRunner().invoke(app, ["play", "--tank", "mine.toml"])
     assert both.exit_code == 2
     assert "expected one of them" in both.output
-    made = CliRunner().invoke(app, ["play", "--tank", *(word for change in COARSE for word in ("--set", change))])
+    waited = []
+    monkeypatch.setattr("ecume.cli.browser._wait", lambda: waited.append(True))
+    coarse = [word for change in COARSE for word in ("--set", change)]
+    assert CliRunner().invoke(app, ["play", "--tank", *coarse]).exit_code == 0
+    assert (waited, played) == ([True], [])  # the page simulates it, but no viscous liquid
+    made = CliRunner().invoke(app, ["play", "--tank", *coarse, "--set", "liquid.viscosity=1.0"])
     assert made.exit_code == 0, made.output
-    assert played[0].scene.spacing == 0.08
+    assert (waited, played[0].scene.spacing) == ([True], 0.08)
