@@ -33,6 +33,13 @@ def test_a_random_scene_runs_to_its_end(seed):
     assert outcome(seed, 60, 0) == "done"
 
 
+@PLAIN
+@pytest.mark.parametrize("seed", [7, 8, 26, 27, 36, 78, 110, 124])
+def test_a_random_scene_with_further_options_runs_to_its_end(seed):
+    """Oil, memory, polygons, barriers, wells, discs, waves, fields, films, methods, flows at nodes and sizes."""
+    assert outcome(seed, 12) == "done"
+
+
 def rows(text, *places):
     return "".join(f"[[rows]]\n{text}x = {x}\ny = {y}\n" for x, y in places)
 
