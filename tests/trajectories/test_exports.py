@@ -260,3 +260,17 @@ def test_a_list_of_frames_and_its_folder_are_replaced_together(
     with pytest.raises(StorageError, match="is a folder; expected a file"):
         export(run, "pvd", tmp_path / "in the way.pvd")
     assert not (tmp_path / "in the way").exists()
+
+
+def test_a_folder_of_the_user_beside_a_list_of_frames_is_kept(recorded: Recorded, tmp_path: Path) -> None:
+    """`bowl.part` is where frames are written first: what a killed export left there is replaced, nothing else."""
+    folder = recorded(2).parent
+    (tmp_path / "bowl.part").mkdir()
+    (tmp_path / "bowl.part" / "0000.vtp").write_text("half")
+    assert export(folder, "pvd", tmp_path / "bowl.pvd").exists()
+    (tmp_path / "bowl.part").mkdir()
+    (tmp_path / "bowl.part" / "thesis.txt").write_text("mine")
+    with pytest.raises(StorageError, match="holds what no export made"):
+        export(folder, "pvd", tmp_path / "bowl.pvd")
+    assert (tmp_path / "bowl.part" / "thesis.txt").read_text() == "mine"
+    assert len(list((tmp_path / "bowl").iterdir())) == 2

@@ -253,9 +253,10 @@ def _replacing_folder(folder: Path, ending: str) -> Iterator[Path]:
     are removed.
     """
     part = folder.with_name(f"{folder.name}.part")
+    with storing(folder):
+        _clear(part, ending)  # that of an export that was killed
     try:
         with storing(folder):
-            shutil.rmtree(part, ignore_errors=True)
             part.mkdir(parents=True)
         yield part
         with storing(folder):
