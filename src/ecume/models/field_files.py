@@ -211,7 +211,7 @@ def _of_netcdf(path: Path, names: Names, spec: FieldSpec) -> tuple[list[Array], 
             if lacking := [dim for dim in axes if dim not in array.dims]:
                 raise BadInput(f"{path.name}: {name} has no dimension {lacking[0]}; it has {array.dims}", "file")
             if any(array.sizes[dim] > 1 for dim in spare):
-                further = f"{path.name}: {name} has a further dimension {_printable(spare[0])}; select one level"
+                further = f"{path.name}: {name} has a further dimension {_printable(str(spare[0]))}; select one level"
                 hint = ", or state it as time" if steady and spare[0] in file.variables else ""
                 raise BadInput(further + hint, "file")
             array = array.squeeze(spare)
