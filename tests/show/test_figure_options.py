@@ -11,13 +11,17 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 from matplotlib.figure import Figure
 from tests.show.test_frame_reads import runs  # noqa: F401  # a fixture
+from tests.show.test_tank import FRAMES, measured
+from tests.show.test_tank import SCENE as OPEN
 from typer.testing import CliRunner
 
 from ecume.cli import app
 from ecume.errors import BadInput
+from ecume.scenes.schema import from_plain, to_plain
 from ecume.show.figures import FIGURES
 from ecume.show.publishing import Finish, curves_of, finished, points_of, together, written_data
 from ecume.show.style import save
@@ -28,19 +32,41 @@ GOLDEN = Path(__file__).parents[1] / "golden" / "0.1.0"
 NAMES = [(model, name) for model in FIGURES for name in FIGURES[model]]
 COLUMN = Finish(width=0.086, title=False)
 POINT = 0.0254 / 72.0
-SAMPLES = {(model, "samples") for model in FIGURES}
-OF_OPENINGS = {("tracers", name) for name in ("residence", "breakthrough", "deposition", "efficiency")}
-OF_STRESSES = {("soft", name) for name in ("creep", "moduli", "large-oscillation", "relaxation", "recovery")}
-UNTRIED = SAMPLES | OF_OPENINGS | OF_STRESSES
-"""Figures of which no run here has anything."""
+UNTRIED = {(model, "samples") for model in FIGURES}
+"""Figures of which no run here has anything; samples are files of a run."""
+PROTOCOL = [
+    {"time": 0.0, "shear_rate": 1.0}, {"time": 4.0, "shear_rate": 0.0}, {"time": 8.0, "shear_stress": 0.2},
+    {"time": 12.0, "shear_stress": 0.0},
+    {"time": 16.0, "shear_rate": 0.0, "oscillation": {"frequency": 0.5, "amplitude": 0.05}},
+]  # fmt: skip
 cli = CliRunner()
+
+
+def driven(few: tuple[Any, Sequence[Frame]]) -> tuple[Any, Sequence[Frame]]:
+    """A packing that starts up, rests, creeps, recovers and oscillates, by numbers that stand for stresses."""
+    scene, (first, *_) = few
+    whole = from_plain({**to_plain(scene), "duration": 24.0, "protocol": PROTOCOL})
+    now = np.linspace(0.0, 24.0, 241)
+    rise, wave = np.minimum(now, 4.0), np.where(now > 16.0, 0.05 * np.sin(np.pi * now), 0.0)
+    crept = rise + 0.5 * np.clip(now - 8.0, 0.0, 4.0) - 0.6 * (1.0 - 2.0 ** -np.maximum(now - 12.0, 0.0)) + wave
+    stress = (1.0 + rise * np.exp(-rise)) * 2.0 ** -np.maximum(now - 4.0, 0.0) + 3.0 * wave
+    rows = zip(now.tolist(), crept.tolist(), stress.tolist(), strict=True)
+    return whole, [
+        first._replace(time=time, numbers={**first.numbers, "strain": strain, "shear_stress": load})
+        for time, strain, load in rows
+    ]
 
 
 def drawn(few: Mapping[str, Any], touching: tuple[Any, Sequence[Frame]], model: str, name: str) -> Figure | None:
     """The figure of a recorded run, or of a few frames; None if neither has anything of the kind."""
+    further = {
+        "floating": lambda: [touching],
+        "soft": lambda: [driven(few["soft"])],
+        "tracers": lambda: [(OPEN, [measured(time) for time in (0.0, 0.5, 1.0)]), (OPEN, FRAMES)],
+    }
     with open_trajectory(GOLDEN / model) as golden:
         sources: list[tuple[Any, Sequence[Frame]]] = [(golden.scene, golden), few[model]]
-        sources += [touching] if model == "floating" else []
+        sources += further[model]() if model in further else []
         for scene, frames in sources:
             try:
                 return FIGURES[model][name](frames, scene)
