@@ -27,7 +27,8 @@ from ecume.engine.neighbor_rows import (
 )
 from ecume.engine.vectors import Vector2
 from ecume.engine.walls import reflect_all
-from ecume.engine.walls.sheets import PLANE, SIZE, SPEED, Sheet, worst_gap
+from ecume.engine.walls.sheets import SIZE, SPEED, Sheet, worst_gap
+from ecume.engine.walls.surfaces import PLANE
 from ecume.laws.time_step_limits import acoustic_limit, force_limit
 from ecume.laws.water_waves import wave_frequency
 from ecume.models.model import CROWDED, DIVERGED, DONE, EXCHANGE
@@ -63,7 +64,7 @@ class Path(NamedTuple):
     """(3,) where the side and its row of the table are at rest, and the size of the surface"""
     lines: Array
     """(2, MOST_LINES) times (s), and displacements (m) then"""
-    count: Integers
+    count: Integers  # type: ignore[assignment]  # tuples have a method of this name
     """(1,) the number of those that count"""
     speed: Array
     """(1,) m/s, at the end"""
