@@ -112,7 +112,8 @@ def _nearest(position: Array) -> float:
     """The median distance of a particle to its nearest neighbor; zero for one alone."""
     if len(position) < 2:
         return 0.0
-    return float(np.median(cKDTree(position).query(position, k=2)[0][:, 1]))
+    distance, _ = cKDTree(position).query(position, k=2)
+    return float(np.median(np.asarray(distance)[:, 1]))
 
 
 def distribution(frames: Frames, scene: Any) -> Figure:
