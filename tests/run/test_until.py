@@ -79,11 +79,26 @@ def test_a_condition_that_is_never_met_leaves_the_duration(tmp_path: Path, scene
     assert (done.early, done.frames, done.until) == (False, 51, "kinetic_energy < -1")
 
 
+def test_a_condition_that_the_start_meets_ends_nothing_before_it_is_left(tmp_path: Path, scene: Scenes) -> None:
+    """The beads start at rest."""
+    bound = 0.5 * energies(scene())[1]
+    done = run(scene(), tmp_path / "run", options=RunOptions(until=f"kinetic_energy < {bound!r}"))
+    assert (done.early, done.frames) == (False, 51)
+
+
+def test_a_condition_that_the_last_frame_meets_is_met(tmp_path: Path, scene: Scenes) -> None:
+    """A warning would say otherwise."""
+    condition, frames = crossed(scene())
+    done = run(scene(duration=0.01 * (frames - 1)), tmp_path / "run", options=RunOptions(until=condition))
+    assert (done.early, done.frames) == (True, frames)
+
+
 @pytest.mark.parametrize(("condition", "answer"), [
     ("kinetic_enrgy > 1", "until: got 'kinetic_enrgy', which is no number of the frames; did you mean kinetic_energy?"),
     ("kinetic_energy", "until: got 'kinetic_energy'; expected a condition such as 'stationary"),
     ("kinetic_energy > 3 mm", "expected a condition"),
     ("stationary kinetic_energy within 2", "expected a condition"),
+    ("stationary kinetic_energy within -2 %", "expected a condition"),
     ("stationary " + "a" * 100_000, "expected a condition"),
 ])  # fmt: skip
 def test_other_conditions_are_refused_before_anything_is_written(
@@ -101,6 +116,19 @@ def ended(condition: str, values: list[float]) -> int | None:
     awaited = Awaited(read_condition(condition))
     frames = (Frame(0.0, {}, {"stress": value}, {}) for value in values)
     return next((place + 1 for place, frame in enumerate(frames) if awaited.take(frame)), None)
+
+
+@pytest.mark.parametrize(("condition", "values", "frames"), [
+    ("stress < 1", [0.0, 2.0, 1.0, 0.5, 0.4], 4),
+    ("stress > -1", [0.0, -2.0, -1.0, -0.5], 4),
+    ("stress > 1", [2.0, 3.0], None),
+    ("stress > 1", [float("nan"), 3.0], 2),
+    ("stress > 1", [float("nan")] * 3, None),
+])  # fmt: skip
+def test_a_number_crosses_a_bound_from_one_frame_to_the_next(
+    condition: str, values: list[float], frames: int | None
+) -> None:
+    assert ended(condition, values) == frames
 
 
 @given(st.integers(0, 1000), st.sampled_from([10.0, 30.0, 100.0]))

@@ -456,7 +456,7 @@ class _Session:
             self._judge(moment.frame, moment.taken)
             if self._options.on_frame is not None:
                 self._options.on_frame(self._scene.model, moment.frame, moment.taken)
-            if self._awaited is not None and not moment.ended:
+            if self._awaited is not None:
                 self.early = self._awaited.take(self._selection.of(moment.frame))
         if self._samples is not None:
             self._sample(self._samples, moment)

@@ -19,11 +19,13 @@ UNTIL = "until"
 """The entry of a manifest with the condition of a run."""
 FEWEST = 50
 """The number of frames from which a series is tested."""
-GROWTH = 1.1
-"""The ratio of the numbers of frames at two tests. Each test may accept a series that is not stationary."""
-EXPECTED = "'stationary shear_stress', 'stationary shear_stress within 2 %', 'top > 0.3' or 'speed < 1e-6'"
-NUMBER = r"[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?"
-CROSSING = re.compile(rf"(\w+)\s*([<>])\s*({NUMBER})")
+PART = 10
+"""A series is tested again once its number of frames has grown by one part in so many. Each test may accept a series
+that is not stationary.
+"""
+EXPECTED = "'stationary shear_stress', 'stationary shear_stress within 2 %', 'top > 0.3' or 'largest_speed < 1e-6'"
+NUMBER = r"(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?"
+CROSSING = re.compile(rf"(\w+)\s*([<>])\s*([+-]?{NUMBER})")
 STATIONARY = re.compile(rf"stationary\s+(\w+)(?:\s+within\s+({NUMBER})\s*%)?")
 LONGEST = 200
 """The largest length of a condition in characters."""
@@ -41,17 +43,19 @@ class Condition(NamedTuple):
     stationary: bool
 
     def met(self, values: list[float]) -> bool:
-        """Whether the values of all frames so far meet it. A series is stationary if its transient, as `steady_state`
-        detects it, is its first third at most, and both halves of the rest agree within three standard errors. It is
-        tested at `FEWEST` frames, and then whenever their number has grown by a tenth.
+        """Whether the values of all frames so far meet it. A number crosses a bound from one frame to the next: floats
+        that start at rest have not come to rest. A series is stationary if its transient, as `steady_state` detects it,
+        is its first third at most, and both halves of the rest agree within three standard errors. It is tested at
+        `FEWEST` frames, and then whenever their number has grown by a tenth.
 
-        >>> read_condition("top > 2").met([1.0, 3.0]), read_condition("top < 2").met([1.0, 3.0])
+        >>> read_condition("top > 2").met([1.0, 3.0]), read_condition("top < 2").met([1.0])
         (True, False)
         """
         from ecume.analysis.rheology import steady_state  # imported here, since runs do not need SciPy's optimization
 
         if not self.stationary:
-            return values[-1] < self.bound if self.below else values[-1] > self.bound
+            beyond = [value < self.bound if self.below else value > self.bound for value in values[-2:]]
+            return beyond == [False, True]
         if not _tested(len(values)) or not np.isfinite(values).all():
             return False
         found = steady_state(np.array(values))
@@ -67,7 +71,7 @@ def _tested(frames: int) -> bool:
     """
     at = FEWEST
     while at < frames:
-        at = math.ceil(at * GROWTH)
+        at += math.ceil(at / PART)
     return at == frames
 
 
