@@ -7,6 +7,8 @@ with the time first. Raises BadInput for what is no grid of equal steps.
 from __future__ import annotations
 
 import math
+import re
+import warnings
 import zipfile
 from collections.abc import Sequence
 from pathlib import Path
@@ -32,6 +34,20 @@ FASTEST = 1e3
 """The largest velocity (m/s), that of scenes."""
 REACH = 2.0
 """The averaging range over the particles of a run, in spacings of the grid."""
+SINCE = re.compile(r"(\S+)\s+since\b.*", re.IGNORECASE | re.DOTALL)
+"""The unit of dates: `days since 2000-01-01`."""
+LONGEST = 7.0 * 86400.0
+"""The longest unit of dates (s): months and years have different lengths."""
+SCALED = re.compile(r"([0-9]+\.?[0-9]*(?:[eE][+-]?[0-9]+)?)[\s*]*([^\W\d].*)")
+"""A unit behind a number: `0.01 m s-1`."""
+JOINED = re.compile(r"(\w*m)s\^?-1")
+"""A velocity without a blank: `cms-1`."""
+SPELLINGS = str.maketrans({"{": None, "}": None, ".": " ", "\N{MINUS SIGN}": "-"})
+NO_UNIT = ("", "1", "-", "none", "dimensionless", "nondimensional", "unitless")
+
+
+class UnitsWarning(UserWarning):
+    """The units that a file states cannot be read."""
 
 
 class Names(NamedTuple):
@@ -197,7 +213,7 @@ def _of_netcdf(path: Path, names: Names, spec: FieldSpec) -> tuple[list[Array], 
         import xarray
     except ImportError as error:
         raise BadInput(f"{path.name}: NetCDF needs xarray: {install(EXTRA)}", "file") from error
-    with xarray.open_dataset(path, decode_timedelta=False) as file:
+    with xarray.open_dataset(path, decode_times=False) as file:
         _require(path, (*names.coordinates, *names.velocities), [str(name) for name in file.variables])
         for name in names.coordinates:
             _require_line(path, name, file[name].ndim)
@@ -221,31 +237,68 @@ def _of_netcdf(path: Path, names: Names, spec: FieldSpec) -> tuple[list[Array], 
             parts.append(unit * _real(array.transpose(*order).to_numpy()))
         units = [_stated_unit(path, file[name], ("length_unit", "m"), spec) for name in names.coordinates]
         places = [unit * _real(file[name].to_numpy()) for unit, name in zip(units, names.coordinates, strict=True)]
-        times = np.zeros(1) if steady else np.atleast_1d(file[names.time].to_numpy())
-        clock = 1.0 if steady else _stated_unit(path, file[names.time], ("time_unit", "s"), spec)
-    if np.issubdtype(times.dtype, np.datetime64):
-        times = (times - times[0]) / np.timedelta64(1, "s") / spec.time_unit
+        times = np.zeros(1) if steady else _times(path, file[names.time], spec)
     velocity = np.stack(parts, axis=-1)
-    return places, velocity if velocity.ndim == len(places) + 2 else velocity[None], clock * np.asarray(times, float)
+    return places, velocity if velocity.ndim == len(places) + 2 else velocity[None], times
+
+
+def _times(path: Path, array: Any, spec: FieldSpec) -> Array:
+    """The times of a NetCDF file in units of the scene. Those of dates of any calendar are seconds from the first one,
+    whatever the key `time_unit` states. Raises BadInput for months and years.
+    """
+    times = np.atleast_1d(_real(array.to_numpy()))
+    dated = SINCE.fullmatch(str(array.attrs.get("units", "")).strip())
+    if dated is None:
+        return _stated_unit(path, array, ("time_unit", "s"), spec) * times
+    unit = _in_si(dated[1], "s")
+    if unit is None or unit > LONGEST:
+        got = _printable(str(array.attrs["units"]))
+        raise BadInput(f"{path.name}: its times are in {got}; expected days, hours, minutes or seconds", "file")
+    return unit / spec.time_unit * (times - times[0])
 
 
 def _stated_unit(path: Path, array: Any, sought: tuple[str, str], spec: FieldSpec) -> float:
     """The unit in SI that an array of a NetCDF file states, or 1 where the key of the scene gives another one than SI,
-    and where the file states none that is readable; sought = (key, SI unit). Raises BadInput for degrees.
+    where the file states none, and, with a warning, where it cannot be read; sought = (key, SI unit). Raises BadInput
+    for degrees.
     """
     (key, symbol), stated = sought, str(array.attrs.get("units", "")).strip()
-    if getattr(spec, key) != 1.0 or not stated:
+    if getattr(spec, key) != 1.0 or stated.lower() in NO_UNIT:
         return 1.0
-    if symbol == "m" and stated.startswith("degree"):
+    if symbol == "m" and stated.lower().startswith(("deg", "\N{DEGREE SIGN}")):
         raise BadInput(
             f"{path.name}: {_printable(str(array.name))!r} is in {_printable(stated)}; expected lengths on a plane: "
             "write a file with coordinates in meters, 111.2 km for each degree of latitude",
             "file",
         )
-    try:
-        return factor(stated.replace(".", " "), symbol)
-    except ValueError:
-        return 1.0
+    unit = _in_si(stated, symbol)
+    if unit is None:
+        got = f"{_printable(stated)!r} of {_printable(str(array.name))!r}"
+        warnings.warn(
+            f"{path.name}: the units {got} cannot be read, and count as {symbol}; state {key} if they are others",
+            UnitsWarning,
+            stacklevel=2,
+        )
+    return 1.0 if unit is None else unit
+
+
+def _in_si(stated: str, symbol: str) -> float | None:
+    """The number of SI units in a unit as NetCDF files write it; None for what is no unit of this dimension.
+
+    >>> [_in_si(one, "m/s") for one in ("cm.s-1", "cm s^{-1}", "0.01 m s-1", "CM/S", "cms-1", "furlong")]
+    [0.01, 0.01, 0.01, 0.01, 0.01, None]
+    """
+    scaled = SCALED.fullmatch(stated)
+    number, unit = (float(scaled[1]), scaled[2]) if scaled else (1.0, stated)
+    unit = unit.translate(SPELLINGS)
+    if symbol == "m/s":
+        unit = JOINED.sub(r"\1 s-1", unit)
+    for one in (unit, {"NM": "nautical_mile"}.get(unit, unit.lower())):
+        try:
+            return number * factor(one, symbol)
+        except ValueError:
+            continue
+    return None
 
 
 def _of_vtk(path: Path, names: Names, spec: FieldSpec) -> tuple[list[Array], Array, Array]:

@@ -454,6 +454,42 @@ def test_a_netcdf_file_in_degrees_is_refused(tmp_path):
         field_files.grid_of(FieldSpec(file=path), 2)
 
 
+def of_units(folder, x="m", u="m s-1", **time):
+    """The grid of a NetCDF file that states these units."""
+    xarray = pytest.importorskip("xarray")
+    pytest.importorskip("h5netcdf")
+    axes = {name: (name, np.arange(4.0), {"units": x}) for name in ("x", "y")} | {"t": ("t", np.arange(3.0), time)}
+    parts = {name: (("t", "y", "x"), np.ones((3, 4, 4)), {"units": u}) for name in "uv"}
+    xarray.Dataset(parts, axes).to_netcdf(folder / "flow.nc", engine="h5netcdf")
+    return field_files.grid_of(FieldSpec(file=str(folder / "flow.nc")), 2)
+
+
+@pytest.mark.parametrize(
+    "u", ["cm s^{-1}", "0.01 m s-1", "CM/S", "cms-1", "cm s\N{SUPERSCRIPT MINUS}\N{SUPERSCRIPT ONE}"]
+)
+def test_units_of_netcdf_files_are_read_as_programs_write_them(tmp_path, u):
+    found = of_units(tmp_path, "Km", u, units="Hours")
+    assert found.step == (1000.0, 1000.0)
+    assert found.times[1] == 3600.0
+    assert found.velocity == pytest.approx(0.01, rel=1e-14)
+
+
+def test_units_that_cannot_be_read_are_told(tmp_path):
+    with pytest.warns(field_files.UnitsWarning, match="the units 'pixel' of '.' cannot be read, and count as m; state"):
+        assert of_units(tmp_path, "pixel").step == (1.0, 1.0)
+
+
+@pytest.mark.parametrize("calendar", ["standard", "noleap", "360_day"])
+def test_dates_of_any_calendar_are_seconds_from_the_first(tmp_path, calendar):
+    found = of_units(tmp_path, units="days since 2000-02-28", calendar=calendar)
+    assert found.times == pytest.approx([0.0, 86400.0, 172800.0], rel=1e-15)
+
+
+def test_dates_in_months_are_refused(tmp_path):
+    with pytest.raises(BadInput, match="its times are in months since 2000-01-01; expected days"):
+        of_units(tmp_path, units="months since 2000-01-01")
+
+
 # --- Functions of the user
 
 
