@@ -213,18 +213,49 @@ def test_decimal_commas_and_heads_in_other_languages_are_read(kind, tmp_path):
             "id;frame;x;y\n" + "".join(f"1;{998 + n:,};{n};{n}\n" for n in range(5)),
             "may mean '1000' or '1.000'",
         ),
-        ("id,t,x,y,x\n" + "1,0,0,0,0\n" * 3, "has the column 'x' 2 times"),
+        ("id,t,x,y\n" + "".join(f'1,{n}.5,"1,{n}00",2\n' for n in range(3)), "may mean '1000' or '1.000'"),
+        ("id,t,x,y,x\n" + "1,0,0,0,1\n" * 3, "has the column 'x' 2 times"),
+        ("id,t,x [px],y [px],x [mm],y [mm]\n" + "1,0,0,0,0,0\n" * 3, "has the column 'x [px]' 2 times"),
         ("t,x1,y1,x1,y1\n" + "0,0,0,0,0\n" * 3, "has the column 'x1' twice"),
         ("t,x1 [mm],y1 [mm],x2 [cm],y2 [cm]\n" + "0,0,0,0,0\n" * 3, "'x2 [cm]' and 'y2 [cm]' have other units than"),
         ("id,t,x [mm],y\n" + "1,0,0,0\n" * 3, "expected a unit in both"),
     ],
-    ids=["thousands", "two columns x", "one object twice", "units of objects", "one unit"],
+    ids=[
+        "thousands",
+        "thousands beside points",
+        "two columns x",
+        "two units of x",
+        "one object twice",
+        "units of objects",
+        "one unit",
+    ],
 )
 def test_a_table_with_two_meanings_is_refused(text, fault, tmp_path):
     (tmp_path / "beads.csv").write_text(text)
     with pytest.raises(BadInput) as refused:
         read_tracks(tmp_path / "beads.csv", Camera(pixel=20e-6, rate=25.0))
     assert fault in str(refused.value)
+
+
+@pytest.mark.parametrize(
+    "head",
+    ["frame,y [px],x [px],mass,frame,particle", "Frame,Time (s),X (m),Y (m)", "image,t,x1 (m),y1 [m],x2 [m],y2 (m)"],
+    ids=["trackpy, indexed by frame", "frames and times", "pictures and times"],
+)
+def test_columns_beside_those_that_are_used_are_no_fault(head, tmp_path):
+    names = head.lower().split(",")
+    cells = {"frame": "{0}", "t": "{1}", "time (s)": "{1}", "image": "{0}.tif", "particle": "7", "mass": "9"}
+    rows = [",".join(cells.get(name, "0.5").format(n, 0.04 * n) for name in names) for n in range(4)]
+    (tmp_path / "bead.csv").write_text("\n".join([head, *rows]) + "\n")
+    found = read_tracks(tmp_path / "bead.csv", Camera(1.0, 25.0) if "particle" in head else Camera())
+    assert found.times == pytest.approx(0.04 * np.arange(4))
+    assert (found.position == 0.5).all()
+
+
+def test_a_decimal_comma_shows_what_others_in_a_table_mean(tmp_path):
+    """Programs for tables omit zeros at the end: 1,500 and 2,000 become 1,5 and 2."""
+    (tmp_path / "bead.csv").write_text("t;x;y\n0;1,125;0,5\n1;2;0,25\n2;2,875;0,125\n")
+    assert read_tracks(tmp_path / "bead.csv").position[:, 0, 0].tolist() == [1.125, 2.0, 2.875]
 
 
 def test_many_objects_at_different_instants_are_refused_before_there_is_memory_for_them(tmp_path):

@@ -157,7 +157,7 @@ def in_rows_of_objects(rows: Rows, name: str) -> Rows:
         heads, body = [cell.strip() for cell in rows[1][1]], rows[2:]
         above = _named_above(first, len(heads), name)
     words = [match[1].lower() if (match := HEAD.fullmatch(cell[:200])) else "" for cell in heads]
-    time = next((place for place, word in enumerate(words) if word in (*NAMES["time"], *NAMES["frame"])), None)
+    time = next((words.index(word) for word in words if word in NAMES["time"]), _place(words, NAMES["frame"]))
     if time is None or any(word in NAMES["object"] for word in words) or words.count("position_x"):
         return rows
     whole = _pairs(heads, above, OF_OBJECT) or _pairs(heads, above, OBJECT_OF)
@@ -174,17 +174,20 @@ def in_rows_of_objects(rows: Rows, name: str) -> Rows:
 
 
 def _units_of_pairs(heads: Sequence[str], whole: Mapping[str, Mapping[str, int]]) -> tuple[str, str]:
-    """The units of x and y in their brackets. Raises ValueError where they differ between objects."""
-    found = {
-        who: tuple(match[0] if (match := BEHIND.search(heads[pair[axis]][:200])) else "" for axis in "xy")
-        for who, pair in whole.items()
-    }
+    """The units of x and y in brackets. Raises ValueError where they differ between objects."""
+    found = {who: tuple(_unit_behind(heads[pair[axis]]) for axis in "xy") for who, pair in whole.items()}
     (first, (x, y)), *others = found.items()
     for who, units in others:
         if units != (x, y):
             here, there = (" and ".join(echo(heads[whole[each][axis]]) for axis in "xy") for each in (who, first))
             raise ValueError(f"the columns {here} have other units than {there}; expected one unit of length")
     return x, y
+
+
+def _unit_behind(head: str) -> str:
+    """The unit behind the name of a column, in brackets, also where it is in parentheses; empty without one."""
+    match = BEHIND.search(head[:200])
+    return f"[{match[0].strip()[1:-1].strip()}]" if match else ""
 
 
 def _pairs(heads: Sequence[str], above: Sequence[str], form: re.Pattern[str]) -> dict[str, dict[str, int]]:
@@ -269,7 +272,8 @@ def _mark(first: str) -> str:
     """The character between the cells of a table, from its first line; a blank for any number of blanks."""
     for mark in (";", "\t", " "):  # numbers may have decimal commas
         cells = first.split(None if mark == " " else mark)
-        if len(cells) > 2 and all(BARE.fullmatch(cell.strip()) for cell in cells):
+        divided = mark == " " and any(cell.startswith(",") for cell in cells)  # `0 ,1 ,2`
+        if len(cells) > 2 and not divided and all(BARE.fullmatch(cell.strip()) for cell in cells):
             return mark
     mark = max(";\t,", key=first.count)
     return mark if first.count(mark) else " "
@@ -314,9 +318,8 @@ def _columns(
     if "POSITION_X" in rows[0][1]:
         body, units = _trackmate(body, units)
     found = {kind: place for kind, place in places.items() if place is not None}
-    _require_single(words, rows[0][1], found.values())
-    for kind in ("x", "y", "time", "frame"):
-        _refuse_thousands(body, places[kind])
+    _require_single(words, rows, found.values())
+    _refuse_thousands(body, places)
     usual = "" if words[found["x"]] == "position_x" else "m"  # TrackMate: see the last header line
     if "time" in found and not _unit(units, found["time"]) and camera.rate is not None:
         _require_counted(body, found["time"])
@@ -334,27 +337,39 @@ def _require_counted(body: Rows, place: int) -> None:
             )
 
 
-def _require_single(words: Sequence[str], heads: Sequence[str], places: Iterable[int]) -> None:
-    """Raise ValueError if a column that is used has a namesake."""
+def _require_single(words: Sequence[str], rows: Rows, places: Iterable[int]) -> None:
+    """Raise ValueError if a column that is used has a namesake with other cells. Tables of trackpy repeat `frame`."""
+    heads = rows[0][1]
     for place in places:
-        if words.count(words[place]) > 1:
+        alike = [other for other, word in enumerate(words) if word == words[place] and heads[other] == heads[place]]
+        if len(alike) < words.count(words[place]) or any(
+            row[other] != row[place] for _, row in rows for other in alike if len(row) > max(other, place)
+        ):
             raise ValueError(f"has the column {echo(heads[place])} {words.count(words[place])} times; expected one")
 
 
-def _refuse_thousands(body: Rows, place: int | None) -> None:
+def _refuse_thousands(body: Rows, places: Mapping[str, int | None]) -> None:
     """Raise ValueError if the commas of a column may divide thousands: all of them have three digits behind them, and
-    there are numbers without.
+    there are numbers without, or decimal points. Other commas among times and positions tell that these are decimal.
     """
-    if place is None:
-        return
-    cells = [(line, row[place].strip()) for line, row in body if place < len(row)]
-    with_comma = [(line, cell) for line, cell in cells if "," in cell]
-    if 0 < len(with_comma) < len(cells) and all(THOUSANDS.fullmatch(cell) for _, cell in with_comma):
-        line, cell = with_comma[0]
-        raise ValueError(
-            f"line {line}: {echo(cell)} may mean {echo(cell.replace(',', ''))} or {echo(cell.replace(',', '.', 1))}; "
-            "expected numbers without a comma between thousands"
-        )
+    cells = {
+        kind: [(line, row[place].strip()) for line, row in body if place < len(row)]
+        for kind in ("x", "y", "time", "frame")
+        if (place := places[kind]) is not None
+    }
+    numbers = [cell for kind in cells if kind != "frame" for _, cell in cells[kind]]
+    points = any("." in cell and NUMERIC.fullmatch(cell) for cell in numbers)
+    decimal = any(DECIMAL_COMMA.fullmatch(cell) and not THOUSANDS.fullmatch(cell) for cell in numbers)
+    for kind, column in cells.items():
+        with_comma = [(line, cell) for line, cell in column if "," in cell]
+        if not with_comma or not all(THOUSANDS.fullmatch(cell) for _, cell in with_comma):
+            continue
+        if points or (len(with_comma) < len(column) and (kind == "frame" or not decimal)):
+            line, cell = with_comma[0]
+            raise ValueError(
+                f"line {line}: {echo(cell)} may mean {echo(cell.replace(',', ''))} or "
+                f"{echo(cell.replace(',', '.', 1))}; expected numbers without a comma between thousands"
+            )
 
 
 def _place(words: Sequence[str], known: Sequence[str]) -> int | None:
