@@ -19,7 +19,7 @@ from ecume.scenes.templates import folder
 from ecume.show.play.alone import alone, refusal, save_alone
 from ecume.show.play.memory import slots, types_of
 from ecume.show.play.tank import Push, Tank, fixed, require_playable, tilting, with_hands
-from ecume.show.play.tank_alone import arguments_in, drops_of, offered_tank, parameters_of, tank_arguments
+from ecume.show.play.tank_alone import arguments_in, divided, drops_of, offered_tank, parameters_of, tank_arguments
 from ecume.show.play.tank_steps import (
     advance,
     lean,
@@ -307,6 +307,13 @@ def test_a_wave_is_made_and_what_is_pushed_is_saved_as_a_tank_to_play_with(page)
     assert saved.tank.low[0] == pushed["wall"] > 0.0
     assert refusal(saved) == ""
     require_playable(saved)
+
+
+@pytest.mark.parametrize("left", [-0.5, 0.0, 0.1, 0.25])
+def test_the_place_of_the_left_wall_can_be_written_into_the_scene_of_any_tank(left):
+    before, after = divided(load_scene(POOL, [f"tank.low=[{left}, 0.0]"]))
+    liquid = "\n[[fluid]]\nlow = [0.38, 0.0]\nhigh = [0.4, 0.1]\n"
+    assert load_scene(f"{before}{left + 0.125}{after}{liquid}").tank.low == (left + 0.125, 0.0)
 
 
 def test_the_page_of_a_tank_is_small(tmp_path):

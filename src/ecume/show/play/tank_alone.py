@@ -236,7 +236,7 @@ def offered_tank(scene: SphScene) -> dict[str, Any]:
 
 def divided(scene: SphScene) -> list[str]:
     """The text of a scene without liquid, before and behind the place of its left wall (m)."""
-    apart = dataclasses.replace(scene.tank, low=(scene.tank.low[0] - 0.1, *scene.tank.low[1:]))  # always written
+    apart = dataclasses.replace(scene.tank, low=(-1.0 - abs(scene.tank.low[0]), *scene.tank.low[1:]))  # written: not 0
     text = without_liquid(to_toml(dataclasses.replace(scene, tank=apart)))
     before, after = re.split(r"(?<=\[tank\]\nlow = \[)[^,]+", text)
     return [before, after]
