@@ -59,9 +59,9 @@ def test_check_says_how_to_see_the_contact(change, says):
     assert says in remark
 
 
-def test_check_says_that_floats_beyond_the_cutoff_never_meet():
+def test_check_says_that_floats_beyond_the_cutoff_do_not_attract_each_other():
     far = [{**TWO["particles"][0], "positions": [[-2e-2, 0.0], [2e-2, 0.0]]}]
     rows = {name: (value, remark) for name, value, remark in summary(from_plain({**TWO, "particles": far}))}
     assert rows["first contact"] == (
-        "none", "40 mm between the nearest two centers, beyond the cutoff: no float attracts another"
+        "not by attraction", "40 mm between the nearest two centers, beyond the cutoff: no float attracts another"
     )  # fmt: skip

@@ -102,7 +102,7 @@ def contact_row(scene: FloatingScene, parameters: Parameters, state: State) -> l
     time = first_contact(parameters, state, 10.0 * scene.duration)
     if time == math.inf and (apart := _nearest_distance(parameters, state)) > parameters.cutoff:
         far = f"{with_prefix(apart, 'm')} between the nearest two centers, beyond the cutoff: no float attracts another"
-        return [("first contact", "none", far)]
+        return [("first contact", "not by attraction", far)]
     return event_row("first contact", time, (scene.duration, scene.frame_every), "of the nearest two floats, alone")
 
 
