@@ -153,3 +153,15 @@ def test_check_remarks_a_step_whose_noise_exceeds_the_layer_in_corners(tank, ste
         row[2] for row in MODELS["tracers"].summary(from_plain(plain)) if row[0].endswith("sedimentation length")
     ]
     assert ("in corners" in remark) == remarked
+
+
+def test_no_step_of_a_particle_with_inertia_has_the_noise_of_diffusion():
+    """A grain of dust in air has a layer of less than a nanometer, and a relaxation time of 0.4 ms."""
+    plain = {
+        "model": "tracers", "duration": 0.01, "frame_every": 0.01, "liquid": {"name": "air"},
+        "tank": {"vertices": (1e3 * np.array(wedge(75))).tolist()},
+        "integration": {"integrator": "inertial", "time_step": 1e-4},
+        "hydrodynamics": {"brownian": True, "drag": "stokes"}, "particles": [{"radius": 4e-6, "density": 2000.0}],
+    }  # fmt: skip
+    (remark,) = [row[2] for row in MODELS["tracers"].summary(from_plain(plain)) if "sedimentation" in row[0]]
+    assert remark == "height of the layer in equilibrium"

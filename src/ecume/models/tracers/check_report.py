@@ -103,7 +103,8 @@ def summary_of(scene: TracersScene, parameters: Parameters, index: int) -> list[
         if weight > 0.0:
             layer = brownian_motion.sedimentation_length(fluid.thermal, weight)
             noise = math.sqrt(2.0 * spread * parameters.time_step)
-            remark = f"height of the layer in equilibrium{corners_remark(scene, noise / layer)}"
+            corners = corners_remark(scene, noise / layer) if bodies.overdamped[first] else ""
+            remark = f"height of the layer in equilibrium{corners}"
             rows.append((f"{name}: sedimentation length", with_prefix(layer, "m"), remark))
     return rows
 
