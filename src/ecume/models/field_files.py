@@ -254,7 +254,8 @@ def _times(path: Path, array: Any, spec: FieldSpec) -> Array:
     if unit is None or unit > LONGEST:
         got = _printable(str(array.attrs["units"]))
         raise BadInput(f"{path.name}: its times are in {got}; expected days, hours, minutes or seconds", "file")
-    return unit / spec.time_unit * (times - times[0])
+    passed: Array = times - times[0]
+    return unit / spec.time_unit * passed
 
 
 def _stated_unit(path: Path, array: Any, sought: tuple[str, str], spec: FieldSpec) -> float:
