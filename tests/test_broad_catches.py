@@ -16,6 +16,7 @@ REVIEWED = {
     "_cache.py": ["Path(beside).unlink(missing_ok=True)"],
     "_plain_files.py": ["os.ftruncate(file.fileno(), before)"],
     "run/imports.py": ["shutil.rmtree(beside.path, ignore_errors=True)"],
+    "scenes/templates.py": ["path.unlink(missing_ok=True)"],
     "show/movies.py": ["partial.unlink()", "each.unlink(missing_ok=True)"],
     "show/serving.py": ["shutil.rmtree(folder, ignore_errors=True)"],
     "trajectories/exports.py": ["shutil.rmtree(part, ignore_errors=True)"],

@@ -116,7 +116,7 @@ def test_the_origin_is_in_the_units_of_the_table(tmp_path):
         (CSV.replace("0.0015", "near"), Camera(), "line 3, x: got 'near'; expected a number"),
         (CSV.replace("0.0015", "inf"), Camera(), "line 3, x: got 'inf'"),
         (CSV.replace("1,0.009,0,b", "0,0.009,0,b"), Camera(), "object b is in two places at t = 0 s"),
-        (CSV.replace("x,y", "x [kg],y"), Camera(), "measures mass, expected length"),
+        (CSV.replace("x,y", "x [kg],y [kg]"), Camera(), "measures mass, expected length"),
         ("t,x,y,id\n0,1,1,a\n1,1,1,a\n", Camera(), "only 2 instants"),
         ("t,x,y,id\n0,1\n", Camera(), "line 2: 2 cells"),
         ('t,x,y,id\n0,"1\n', Camera(), "line 2"),
