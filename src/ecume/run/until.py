@@ -23,7 +23,10 @@ PART = 10
 """A series is tested again once its number of frames has grown by one part in so many. Each test may accept a series
 that is not stationary.
 """
-EXPECTED = "'stationary shear_stress', 'stationary shear_stress within 2 %', 'top > 0.3' or 'largest_speed < 1e-6'"
+EXPECTED = (
+    "'stationary shear_stress', 'stationary shear_stress within 2 %', 'top > 0.3' or 'largest_speed < 1e-6', "
+    "in SI units"
+)
 NUMBER = r"(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?"
 CROSSING = re.compile(rf"(\w+)\s*([<>])\s*([+-]?{NUMBER})")
 STATIONARY = re.compile(rf"stationary\s+(\w+)(?:\s+within\s+({NUMBER})\s*%)?")

@@ -150,7 +150,7 @@ def condition(text: str) -> str:
         try:
             read_condition(text)
         except BadInput as fault:
-            raise ValueError(str(fault)) from None
+            raise ValueError(str(fault).rpartition("; ")[2]) from None
     return text
 
 
