@@ -117,6 +117,14 @@ def run(*words: Any) -> None:
     subprocess.run([str(word) for word in words], check=True)
 
 
+def without_folders(module: bytes) -> bytes:
+    """The module with dots in place of the folders of this machine, which texts of errors name; its size stays."""
+    for place in (HERE.resolve().parents[1], Path(sys.prefix)):
+        name = str(place).encode()
+        module = module.replace(name, b"." * len(name))
+    return module
+
+
 INLINED = {"tank": 25}
 """A step of a tank as one function takes LLVM several minutes."""
 MODULES = {"bowl": (bowl, of_bowl), "t1": (cluster_arguments, of_cluster), "tank": (tank, of_tank)}
@@ -148,6 +156,8 @@ def build(python: str, target: Path, only: list[str]) -> None:
             exports = [f"--export={one}" for one in (*EXPORTS, *(entry.name for entry in made))]
             objects = (work / f"{module}.o", work / "pow.o", functions, archive)
             run(*zig, "wasm-ld", *FLAGS, *exports, *objects, "-o", target / f"{module}.wasm")
+            linked = (target / f"{module}.wasm").read_bytes()
+            (target / f"{module}.wasm").write_bytes(without_folders(linked))
 
 
 if __name__ == "__main__":
