@@ -203,7 +203,7 @@ def two_rows_of_forty():
 def test_islands_hang_together_by_floats_and_not_by_walls():
     contacts, mobility = two_rows_of_forty()
     assert (contacts.second[: contacts.total[0]] == 80).sum() == 2
-    assert len(islands_of(contacts, mobility).rows) == 0, "nobody pushes"
+    assert len(islands_of(contacts, mobility).rows) == 0, "no contact has an impulse"
     contacts.impulse[1] = 1.0  # between the second and the third
     one = islands_of(contacts, mobility)
     assert len(one.first) == 2

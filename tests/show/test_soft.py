@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from ecume.analysis.boxes import Box, box_of, nearest, wrapped
+from ecume.analysis.series import Mean
 from ecume.errors import BadInput
 from ecume.scenes.soft import (
     CellSpec,
@@ -21,7 +22,7 @@ from ecume.scenes.soft import (
     WallSpec,
 )
 from ecume.show.movies import film
-from ecume.show.soft.figures import SOFT_FIGURES, oscillations, steady_flows
+from ecume.show.soft.figures import SOFT_FIGURES, hysteresis, oscillations, steady_flows
 from ecume.show.soft.packing import PULL, PUSH, Packing, links_around, links_of
 from ecume.trajectories.frame import Frame
 
@@ -217,6 +218,21 @@ def test_each_step_of_the_rate_is_a_point_of_the_flow_curve_after_its_transient(
     assert float(label.split()[0]) == pytest.approx(0.1, abs=0.003)
     assert "n = 1.0" in label
     assert steady_flows(frames[:1] * 2, scene) == []
+
+
+def test_hysteresis_needs_no_steady_flow_at_the_turn(stepped):
+    """Of three rates up and down only that in the middle is shared and stationary."""
+    scene, frames = stepped
+    flow = steady_flows(frames, scene)[0]
+
+    def at(rate, stress, settled=True):
+        point = flow.point._replace(rate=Mean(rate, 0.0), shear_stress=Mean(stress, 0.1))
+        return flow._replace(point=point, settled=settled)
+
+    flows = [at(0.1, 1.0), at(0.3, 2.0), at(1.0, 3.0, settled=False), at(0.3, 1.0), at(0.05, 1.0)]
+    found = hysteresis(flows)
+    assert (found.at, found.relative) == pytest.approx((0.3, -0.5))
+    assert hysteresis(flows[:3]) is None
 
 
 @pytest.mark.parametrize(("rates", "falling"), [

@@ -28,6 +28,7 @@ EXPECTED = (
     "in SI units"
 )
 NUMBER = r"(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?"
+"""The pattern of a number without a sign."""
 CROSSING = re.compile(rf"(\w+)\s*([<>])\s*([+-]?{NUMBER})")
 STATIONARY = re.compile(rf"stationary\s+(\w+)(?:\s+within\s+({NUMBER})\s*%)?")
 LONGEST = 200

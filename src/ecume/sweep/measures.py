@@ -11,6 +11,7 @@ import numpy as np
 
 from ecume.analysis.rheology import steady_state
 from ecume.errors import BadInput
+from ecume.run.until import NUMBER
 from ecume.scenes.faults import echo
 from ecume.units import Array
 
@@ -65,7 +66,7 @@ MEASURES: dict[str, Callable[[Array, Array], float]] = {
     "steady": steady,
 }
 """Functions from times and values to a number, by name."""
-FIRST = re.compile(r"first\s+(\w+)\s*([<>])\s*([+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?)")
+FIRST = re.compile(rf"first\s+(\w+)\s*([<>])\s*([+-]?{NUMBER})")
 USUAL = re.compile(r"(\w+)\s+(\w+)")
 
 

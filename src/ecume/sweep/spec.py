@@ -22,7 +22,7 @@ from pydantic.dataclasses import dataclass
 
 from ecume.errors import BadInput, Fault, SceneError
 from ecume.models.model import LAMMPS, LOCAL
-from ecume.run.until import read_condition
+from ecume.run.until import NUMBER, read_condition
 from ecume.scenes.faults import Complaints, Inconsistent, echo, faults_of, suggestion
 from ecume.scenes.load import parsed, placed, source_in
 from ecume.scenes.overrides import KEY
@@ -116,7 +116,7 @@ OWN_COLUMNS = ("state", "repeat")
 """Columns that every table has."""
 LONGEST = 100
 """The largest length of a quantity in characters."""
-QUANTITY = re.compile(r"\s*([+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?)\s+(\S.*)")
+QUANTITY = re.compile(rf"\s*([+-]?{NUMBER})\s+(\S.*)")
 
 
 def like(pattern: str, words: str) -> Callable[[str], str]:

@@ -391,10 +391,10 @@ def main(first, last, steps):
     """Print how many scenes of a range of seeds ran, and those that did not."""
     found = Counter()
     for seed in range(first, last):
-        told = outcome(seed, steps)
-        found[told if told in ("done", *REFUSED) else "failed"] += 1
-        if told not in ("done", *REFUSED):
-            print(seed, told, flush=True)
+        ended = outcome(seed, steps)
+        found[ended if ended in ("done", *REFUSED) else "failed"] += 1
+        if ended not in ("done", *REFUSED):
+            print(seed, ended, flush=True)
         if (seed + 1 - first) % 50 == 0:
             print(seed + 1, dict(found), flush=True)
     print(dict(found), flush=True)

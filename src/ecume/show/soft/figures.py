@@ -234,10 +234,10 @@ def hysteresis(flows: Sequence[SteadyFlow]) -> Difference | None:
     """Where the stresses of comparable flows at falling rates differ most from those at rising ones; None where the
     rates do not turn, or have none in common.
     """
-    good, both = set(comparable(flows)), directions(flows)
+    both = directions(flows)
+    good = set(comparable(flows)) - (set(both.rising) & set(both.falling))  # at the turn both are the same flow
     up, down = ([flows[place] for place in places if place in good] for places in (both.rising, both.falling))
-    shared = {rate_of(flow) for flow in up} & {rate_of(flow) for flow in down}
-    if len(shared) < 2:  # the rate at the turn is the same flow
+    if not {rate_of(flow) for flow in up} & {rate_of(flow) for flow in down}:
         return None
     return largest_difference(
         *(Curve(np.array(list(map(rate_of, one))), tuple(map(stress_of, one))) for one in (up, down))
