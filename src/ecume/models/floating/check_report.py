@@ -130,7 +130,7 @@ def _summary_of_sums(parameters: Parameters, length: float) -> list[Row]:
 
 
 def _summary_of_pairs(parameters: Parameters, scene: FloatingScene) -> list[Row]:
-    """The pair law with its numbers, and further lines of it."""
+    """The lines on the pair law: its constants, and the lines that the law itself contributes."""
     row, name = row_of(parameters), str(scene.interaction.law)
     numbers = described(row, scene.interaction.constants)
     usual = "superposition of menisci" if row.menisci else "" if row.has_force else "floats do not act on one another"
@@ -171,7 +171,7 @@ def _summary_of_propulsion(parameters: Parameters) -> list[Row]:
 
 
 def _summary_of_drag(parameters: Parameters, scene: FloatingScene) -> list[Row]:
-    """The error of Stokes drag for the fastest floats; empty if they are slow."""
+    """The error of Stokes drag for the fastest floats; empty if the error is small."""
     liquid, radius = liquid_of(scene), float(parameters.floats.radius.max())
     if scene.drag != DRAG_LAWS[0] or liquid.viscosity_of_both == 0.0:
         return []
@@ -211,8 +211,8 @@ def _summary_of_added_mass(parameters: Parameters, scene: FloatingScene) -> list
 
 
 def meeting_speed(parameters: Parameters) -> float:
-    """The highest speed (m/s) at which two equal floats meet, or one a wall: against Stokes's drag, and not more than
-    the energy of the attraction allows.
+    """The highest approach speed (m/s) of two equal floats, or of a float and a wall: the attraction balances Stokes
+    drag, and the kinetic energy does not exceed the energy of the attraction.
     """
     floats, row, law = parameters.floats, row_of(parameters), law_of(parameters)
     length, fastest = float(parameters.pair[CAPILLARY_LENGTH]), 0.0
@@ -267,7 +267,7 @@ def _summary_of_steps(parameters: Parameters, scene: FloatingScene) -> list[Row]
 
 
 def _step_remark(time_step: float, good: float) -> str:
-    """The judgment of a time step; `good` is the longest good one."""
+    """The remark on a time step; `good` is the longest step with good accuracy."""
     if good == math.inf:
         return "good; no force limits it"
     coarse, refused = with_prefix(COARSE_OVER_GOOD * good, "s", 3), with_prefix(UNSTABLE_OVER_GOOD * good, "s", 3)
@@ -286,7 +286,7 @@ def _summary_of_species(scene: FloatingScene) -> list[Row]:
 
 
 def _summary_of(name: str, members: dict[FloatKind, int], scene: FloatingScene) -> list[Row]:
-    """The lines of one species: one number if all floats are equal, otherwise the range."""
+    """The lines of one species: a single number where all floats are equal, otherwise the range."""
     shapes = [kind for kind in members if is_shape(kind)]
     discs = [kind for kind in members if isinstance(kind.body, flotation.Disc) and not is_shape(kind)]
     rest = {kind: count for kind, count in members.items() if isinstance(kind.body, flotation.Sphere)}
@@ -347,7 +347,7 @@ def _charges(members: Iterable[FloatKind], scene: FloatingScene) -> Row:
 
 
 def _closeness(members: Iterable[FloatKind], scene: FloatingScene) -> list[Row]:
-    """The relative error of superposition in the attraction of two equal floats that nearly touch."""
+    """The relative error of superposition in the attraction of two equal floats close to contact."""
     by_size = sorted((kind for kind in members if kind.charge != 0.0), key=lambda kind: kind.radius)
     superposed = scene.interaction.method == "superposition" and PAIR_LAWS[str(scene.interaction.law)].menisci
     if not superposed or not by_size:
@@ -366,7 +366,7 @@ def _closeness(members: Iterable[FloatKind], scene: FloatingScene) -> list[Row]:
 
 
 def _summary_of_disc(name: str, kind: FloatKind, scene: FloatingScene) -> list[Row]:
-    """A disc: size, load, lean, slope, heights and charge."""
+    """The lines of a disc: size, load, stability against tilting, slope, heights and charge."""
     disc, slope, liquid = kind.body, kind.equilibrium.slope_angle, liquid_of(scene)
     assert isinstance(disc, flotation.Disc)  # noqa: S101  # for the type checker
     heaviest = greatest_rim_load(disc.radius, liquid)
@@ -390,7 +390,7 @@ def is_shape(kind: FloatKind) -> bool:
 
 
 def _summary_of_shape(name: str, kind: FloatKind, scene: FloatingScene) -> list[Row]:
-    """An ellipsoid, a needle, a square or a star: slope, rise, charge, friction."""
+    """The lines of an ellipsoid, a needle, a square or a star: slope, rise, charge and friction."""
     line, (along, across, _) = kind.figure.line, kind.figure.friction
     slope = kind.equilibrium.slope_angle
     rise = "rises" if line.rise > 0.0 else "dips" if line.rise < 0.0 else "level"
@@ -424,7 +424,7 @@ def _slope_remark(slopes: Sequence[float]) -> str:
 
 
 def _numbers(values: Iterable[float], digits: int = 4) -> str:
-    """The least and the greatest of some values, or the common value."""
+    """The smallest and the largest of some values, or their common value."""
     ordered = sorted(value + 0.0 for value in values)  # converts -0.0 to 0.0
     return _span((f"{ordered[0]:.{digits}g}", f"{ordered[-1]:.{digits}g}"))
 

@@ -1,16 +1,15 @@
-"""Dishes: their shapes, and the menisci at their walls, also in compiled code: heights, and forces on floats.
+"""The shapes of dishes, and the menisci at their walls: heights, and forces on floats, also for compiled code.
 
-Two kinds are known, each one record: inside a round wall (`ROUND`) and between two pairs of facing walls (`FACING`).
-Each law has a number, which compiled code reads here.
+There are two kinds of menisci, one record each: inside a round wall (`ROUND`), and between two pairs of facing walls
+(`FACING`). Compiled code selects a law by its number.
 
-Exact menisci and mirror images have no formula. A table has heights and image energies of a unit charge with their
-slopes, at distances evenly spaced in their logarithm, and a cubic Hermite polynomial between them. Forces are the
+Exact menisci and mirror images have no closed formula. A table has heights and image energies of a unit charge with
+their slopes, at distances evenly spaced in their logarithm, and a cubic Hermite polynomial between them. Forces are the
 slopes of the polynomial, so that energy is conserved.
 
-The shapes that a dish can have: `SHAPES`, the table of them.
-
-A row holds everything that depends on the shape. Distances, normals, the region inside, its outline in pictures and
-on pages, and the places where floats can start follow from its surfaces (`ecume.engine.walls`).
+`SHAPES` is the table of the shapes of a dish. A row contains everything that depends on the shape. Distances, normals,
+the region inside, the outline in pictures and on pages, and the places where floats can start follow from the surfaces
+(`ecume.engine.walls`).
 """
 
 from __future__ import annotations
@@ -56,12 +55,12 @@ the step; row 1 holds the distances.
 
 @compiled_inside
 def acts(parameters: Parameters) -> bool:
-    """Whether the walls act on floats from afar."""
+    """Whether walls exert forces on floats at a distance."""
     return parameters.wall_law != NO_WALL_LAW
 
 
 def is_far_field(wall_law: int) -> bool:
-    """Whether the walls have the meniscus of superposition without images, or none, as other methods require."""
+    """Whether the walls have the meniscus of superposition without images, or no meniscus, as other methods require."""
     return wall_law in (NO_WALL_LAW, DISH, PLANE)
 
 
@@ -83,7 +82,9 @@ def wall_stiffness(parameters: Parameters) -> float:
 def wall_force(
     parameters: Parameters, number: int, place: tuple[float, float], strength: float, charge: float
 ) -> tuple[float, float, float]:
-    """The force of wall `number` on a charge at a place (N), positive away from the wall, and the wall's normal."""
+    """The force of wall `number` on a charge at `place` (N), positive away from the wall, and the normal of the
+    wall.
+    """
     walls, length, (x, y) = parameters.walls, parameters.pair[CAPILLARY_LENGTH], place
     distance, inward_x, inward_y = wall_distance(walls, number, x, y)
     if parameters.wall_law == PLANE:
@@ -103,7 +104,9 @@ def wall_force(
 def wall_energy(
     parameters: Parameters, number: int, place: tuple[float, float], strength: float, charge: float
 ) -> tuple[float, float]:
-    """The energy of a charge at a position beside wall `number` (J), in the meniscus and with its mirror image."""
+    """The energy (J) of a charge at a position near wall `number`: in the meniscus of the wall, and with its mirror
+    image.
+    """
     walls, length, (x, y) = parameters.walls, parameters.pair[CAPILLARY_LENGTH], place
     if parameters.wall_law == PLANE:
         return plane_wall_energy(wall_distance(walls, number, x, y)[0], strength, length), 0.0
@@ -119,7 +122,7 @@ def wall_energy(
 
 @compiled_inside
 def tabled(table: Array, row: int, distance: float) -> tuple[float, float]:
-    """A tabled quantity and its slope over the distance; beyond the ends as at the ends."""
+    """A tabulated quantity and its slope over the distance; beyond the table, their values at its end."""
     start, step = table[0, 0], table[0, 1]
     last = table.shape[1] - 1
     within = min(max(distance, table[1, 0]), table[1, last])
@@ -143,7 +146,7 @@ one percent too weak there, where the sums over images are too long."""
 
 
 class MultipoleWalls(NamedTuple):
-    """The walls between which multipoles can be, each a function that returns multipoles with them."""
+    """The kinds of walls that multipoles can have, each a function that returns multipoles with these walls."""
 
     round: Callable[[Any, float, float], Any]
     """round(multipoles, radius, contact_angle)"""
@@ -202,7 +205,7 @@ def _round_images(dish: DishSpec, liquid: flotation.Liquid, distance: Array) -> 
     plane, away = _plane_images(dish, liquid, distance), distance >= HUGGING * radius
     sums = meniscus.dish_sums((radius - distance[away]) / length, radius / length, meniscus.WALLS[dish.image])
     energy = -0.5 * sums.height
-    # Nearer to the wall, the energy of a plane wall plus a constant.
+    # Closer to the wall, the energy is that of a plane wall plus a constant.
     beside = energy[0] - plane[away][0]
     return np.concatenate([plane[~away] + beside, energy])
 
@@ -249,7 +252,7 @@ def _plane_heights(dish: DishSpec, liquid: flotation.Liquid, distance: Array) ->
 
 
 def _plane_images(dish: DishSpec, liquid: flotation.Liquid, distance: Array) -> Array:
-    """-(1/2) K0(2 d/L) at a plane wall, with its sign."""
+    """The image energy -(1/2) K0(2 d/L) at a plane wall."""
     from scipy.special import k0
 
     energy: Array = -0.5 * meniscus.WALLS[dish.image] * k0(2.0 * distance / liquid.capillary_length)
@@ -326,7 +329,7 @@ def strengths(scene: FloatingScene, floats: Floats, found: Meniscus, count: int)
             amplitudes = amplitudes_of(dish, liquid, "linear" if dish.law == "linear" else "amplitude")
         except BadInput as error:
             raise scene_error("dish.law", str(error)) from None
-    if len(amplitudes) != count:  # compiled loops would read beyond the end
+    if len(amplitudes) != count:  # a wrong length would let compiled loops read beyond the end
         raise scene_error("dish", f"the shape has {count} walls; got menisci of {len(amplitudes)}")
     charges, number = np.unique(floats.charge, return_inverse=True)
     each = [[capillarity.wall_strength(tension, charge, wall) for charge in charges.tolist()] for wall in amplitudes]
@@ -334,12 +337,14 @@ def strengths(scene: FloatingScene, floats: Floats, found: Meniscus, count: int)
 
 
 def no_table() -> Array:
-    """The table of walls that follow a formula."""
+    """Return the empty table for walls that follow a formula."""
     return np.zeros((6, 2))
 
 
 def wall_table(dish: DishSpec, liquid: flotation.Liquid, radii: tuple[float, float], found: Meniscus) -> Array:
-    """Heights and mirror energies over the distance from a wall, for floats from the smallest to the largest radius."""
+    """The table of heights and image energies over the distance from a wall, for floats from the smallest to the
+    largest radius.
+    """
     if law_of(dish, found) != TABLED:
         return no_table()
     smallest, largest = radii
@@ -421,8 +426,8 @@ def name_of(dish: DishSpec) -> str:
 
 
 def walls_of(dish: DishSpec | None) -> Walls:
-    """The walls, at least a radius away from all centers; no walls without a dish. Raises SceneError for a shape that
-    is not convex, or does not contain the origin.
+    """The walls, at least a radius away from all centers; empty without a dish. Raises SceneError for a shape that is
+    not convex, or does not contain the origin.
     """
     if dish is None:
         return no_walls()
@@ -491,7 +496,7 @@ def field_of(dish: DishSpec | None, liquid: flotation.Liquid, x: Array, y: Array
 
 
 def _in_front_of_barrier(dish: DishSpec, x: Array, y: Array, advance: float) -> tuple[DishSpec, Array, Array]:
-    """The dish that a barrier leaves, and places in its frame, which begins at its center."""
+    """The part of the dish in front of a barrier, and the positions in its frame, whose origin is its center."""
     barrier, sides, places = dish.barrier, list(_sides(dish)), [x, y]
     assert barrier is not None  # noqa: S101  # the caller looked
     axis = 0 if barrier.side in ("left", "right") else 1

@@ -1,7 +1,7 @@
 """The estimated time of the first contact, from the attraction and the drag of the closest pair alone.
 
-Other floats, walls and currents are not considered, so that the time is a rough one: it shows whether a run is long
-enough, and its frames close enough, to see the contact.
+Other floats, walls and currents are neglected. This rough time shows whether a run is long enough, and its frames
+frequent enough, to resolve the contact.
 """
 
 from __future__ import annotations
@@ -31,12 +31,14 @@ def first_contact(parameters: Parameters, state: State, longest: float) -> float
     """The time of the first contact (s); infinite if no contact is expected within the longest time."""
     gaps = _nearest_gaps(parameters, state)
     if not gaps or min(gaps.values()) <= 0.0:
-        return math.inf  # alone, or in contact from the start
+        return math.inf  # a single float, or contact at the start
     return min(_meeting_time(parameters, state, pair, longest) for pair in gaps)
 
 
 def _nearest_gaps(parameters: Parameters, state: State) -> dict[tuple[int, int], float]:
-    """The gaps (m) of the pairs that may meet first; empty where forces do not decide it."""
+    """The gaps (m) of the pairs that may meet first; empty if something other than forces determines the first
+    contact.
+    """
     floats, row = parameters.floats, row_of(parameters)
     count = len(floats.radius)
     if count < 2 or not row.has_force or np.any(parameters.periods) or parameters.drift.thermal > 0.0:
@@ -96,8 +98,8 @@ def _meeting_time(parameters: Parameters, state: State, pair: tuple[int, int], l
 
 
 def contact_row(scene: FloatingScene, parameters: Parameters, state: State) -> list[tuple[str, str, str]]:
-    """The row of `ecume check` on the first contact, with suggested times of frames; empty without a contact, unless
-    all floats are too far apart to attract each other.
+    """The row of `ecume check` on the first contact, with suggested times of frames. Without a contact it is empty,
+    except where all floats are too far apart to attract each other.
     """
     time = first_contact(parameters, state, 10.0 * scene.duration)
     if time == math.inf and (apart := _nearest_distance(parameters, state)) > parameters.cutoff:
@@ -107,7 +109,9 @@ def contact_row(scene: FloatingScene, parameters: Parameters, state: State) -> l
 
 
 def _nearest_distance(parameters: Parameters, state: State) -> float:
-    """The least distance (m) of the centers of pairs that may meet; zero where forces do not decide it."""
+    """The smallest distance (m) of the centers of pairs that may meet; zero if something other than forces determines
+    the first contact.
+    """
     radius = parameters.floats.radius
     gaps = _nearest_gaps(parameters, state)
     return min((gap + float(radius[i] + radius[j]) for (i, j), gap in gaps.items()), default=0.0)

@@ -286,10 +286,10 @@ def _rows(scene: FloatingScene, parameters: Parameters) -> Iterator[Invariant]:
 
 
 def _energy(parameters: Parameters) -> Invariant:
-    """The energy minus the injected work never increases. Without inertia it is potential energy only, and thermal
-    noise changes it by kT per float. A law that is not reciprocal has no energy.
+    """The invariant that energy minus injected work never increases. Without inertia it is potential energy only, and
+    thermal noise changes it by kT per float. A law that is not reciprocal has no energy.
 
-    In a raft at rest nothing moves but overlaps of 1e-10 radii, which contacts correct. Their work is a share of the
+    In a raft at rest, contacts correct overlaps of 1e-10 radii. The work of these corrections is proportional to the
     energy of the raft.
     """
     heat = len(parameters.floats.mass) * parameters.drift.thermal
@@ -311,7 +311,7 @@ def _deepest(seen: NumberHistory) -> float:
 
 
 def _alone(scene: FloatingScene, parameters: Parameters) -> bool:
-    """Whether floats only interact with each other."""
+    """Whether floats interact only with each other."""
     dragged = any(math.isfinite(float(time)) for time in parameters.floats.relaxation_time)
     pushed = is_driven(parameters) or not row_of(parameters).reciprocal or not parameters.scheme.inertia
     return scene.dish is None and not dragged and not pushed

@@ -77,7 +77,9 @@ CAPABILITIES: dict[str, tuple[str, str]] = {
 
 
 def faults_of(chosen: Iterable[Option], tables: Mapping[str, Iterable[Option]]) -> list[Fault]:
-    """Every need that an option of the other slot does not meet; `tables` has the choices of each slot."""
+    """A fault for every need of an option that the chosen option of the other slot does not meet; `tables` has the
+    choices of each slot.
+    """
     options = list(chosen)
     return [
         Fault(option.path, f"{option.name} needs {_lacking(capability, other, tables)}: {why}")

@@ -1,6 +1,6 @@
 """Parameters, state and workspace of the floating model.
 
-The state, which the physics changes, the workspace, and operations on rows of vectors.
+The state is what the physics changes. Operations on rows of vectors are here as well.
 """
 
 from __future__ import annotations
@@ -36,8 +36,8 @@ class Floats(NamedTuple):
 
 
 class Scheme(NamedTuple):
-    """The order of kicks, drift and contacts in a time step. Compiled code reads these, so that all schemes with kicks
-    share one compilation.
+    """The order of kicks, drift and contacts in a time step. Compiled code reads these fields, so that all schemes with
+    kicks share one compilation.
     """
 
     half_kicks: bool
@@ -103,7 +103,7 @@ class Drift(NamedTuple):
 
 
 class VaryingDrift(NamedTuple):
-    """A drift with velocities from a file: a separate type, so that other scenes compile none of its functions."""
+    """A drift with velocities from a file. It is a separate type, so that other scenes do not compile its functions."""
 
     flow: Array
     nodes: Array
@@ -120,7 +120,7 @@ class VaryingDrift(NamedTuple):
 
 
 class Parameters(NamedTuple):
-    """See `ecume.models.model`."""
+    """The parameters of a scene: see `ecume.models.model`."""
 
     time_step: float
     steps_per_frame: int
@@ -191,7 +191,9 @@ class Scratch(NamedTuple):
 
 
 class ClockedScratch(NamedTuple):
-    """The same where forces depend on the time: a separate type, so that other scenes compile no clock."""
+    """The workspaces of the parts where forces depend on the time: a separate type, so that other scenes compile no
+    clock.
+    """
 
     integrator: Any
     interactions: tuple[Any, ...]
@@ -202,7 +204,7 @@ class ClockedScratch(NamedTuple):
 
 
 def part_of(parameters: Parameters, constants: type) -> Any:
-    """The interaction of this type, or None."""
+    """The part of this type among the interactions, or None."""
     return next((part for part in parameters.parts.interactions if isinstance(part, constants)), None)
 
 
@@ -210,8 +212,8 @@ STRENGTH, CAPILLARY_LENGTH, CUTOFF, SURFACE_TENSION, INVERSE_SQUARE, OWN = range
 
 
 def distinct_rows(*columns: Array) -> Array:
-    """The distinct rows of some columns (kinds, columns), in ascending order. Floats of a species follow one another,
-    which makes this quick for millions.
+    """The distinct rows of some columns (kinds, columns), in ascending order. Equal floats are adjacent, which makes
+    this fast for millions of floats.
 
     >>> distinct_rows(np.array([2.0, 2.0, 1.0, 2.0]), np.array([5.0, 5.0, 5.0, 5.0])).tolist()
     [[1.0, 5.0], [2.0, 5.0]]
@@ -224,7 +226,7 @@ def distinct_rows(*columns: Array) -> Array:
 
 def pack_pair(strength: float, capillary_length: float, cutoff: float, surface_tension: float, own: Any) -> Array:
     """The constants of pairs as one array: those that do not depend on the pair law, then the constants of the law."""
-    # The inverse square of the length is precomputed, since a literal in the loop would be in double precision.
+    # The inverse square is precomputed, since a literal in the loop would be in double precision.
     return np.array([strength, capillary_length, cutoff, surface_tension, capillary_length**-2, *own])
 
 
@@ -271,7 +273,7 @@ class State(NamedTuple):
 
 
 class SurfactantState(NamedTuple):
-    """The same with a surfactant at the surface: a separate type, so that other scenes compile nothing for it."""
+    """The state with a surfactant at the surface: a separate type, so that other scenes compile no code for it."""
 
     position: Array
     velocity: Array
@@ -293,7 +295,7 @@ class SurfactantState(NamedTuple):
 
 
 def compiled_state(state: State) -> State:
-    """The part of a state that compiled code gets, with the same arrays."""
+    """The part of a state that is passed to compiled code, with the same arrays."""
     return State._make(state[: len(State._fields)])
 
 
@@ -360,7 +362,7 @@ FIRST_GUESS = 64
 
 
 def make_workspace(parameters: Parameters, state: State, room: float) -> Workspace:
-    """Allocate a workspace for about the current density; the run allocates more if this is too little."""
+    """Allocate a workspace for about the current density; the run enlarges it if necessary."""
     count = len(state.position)
     walls = len(parameters.kick.mobility) - count
     pairs = int(room * (24 * count + 64))

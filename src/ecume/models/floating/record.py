@@ -39,7 +39,7 @@ if TYPE_CHECKING:
 
 
 def laws_of(scene: Any) -> list[Source]:
-    """The laws of equilibrium, attraction, dish, drag and collisions in a scene, which cite the papers."""
+    """The sources of the laws of a scene: equilibrium, attraction, dish, drag and collisions."""
     charge = flotation.CHARGES.get(str(scene.interaction.charge))
     laws: list[Source] = [charge] if charge else []
     row = pair_laws.PAIR_LAWS.get(str(scene.interaction.law))
@@ -103,8 +103,8 @@ def _who_and_what(parameters: Parameters, state: State) -> tuple[str, float]:
 
 
 def _speeds(parameters: Parameters, state: State) -> Array:
-    """The highest speed of each float in the next step (m/s): its present speed, unless drag stops it, plus that of a
-    kick.
+    """The highest speed of each float in the next step (m/s): its present speed, except where drag stops it within a
+    kick, plus the speed gained in a kick.
     """
     here = state._replace(reference=state.position.copy(), step=state.step.copy(), skin=np.zeros(1))
     force, kick = forces_at(parameters, state.position, workspace(parameters, here, 1.0)), parameters.kick

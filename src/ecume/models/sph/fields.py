@@ -4,9 +4,9 @@ particle.
 Entries of `Fields`: first the liquid, then the dummies of walls and bodies, then images (mirrored or shifted
 particles). `Rates` have entries for the liquid alone. Vectors have three components in 2D too; the third stays zero.
 
-All arrays are rows of one table. Compiled loops are handed the table, which costs less to pass than many arrays, and
-name its rows by `FIELD` and `RATE`: in them `fields[FIELD.density, i]` is the density of particle i, and
-`fields[FIELD.position + 1, i]` its y. (Numba drops what a threaded loop writes into an array out of a tuple.)
+All arrays are rows of one table. The argument of compiled loops is this table, which is faster than many arrays. Its
+rows have names in `FIELD` and `RATE`: `fields[FIELD.density, i]` is the density of particle i, and
+`fields[FIELD.position + 1, i]` its y. (Numba loses what a threaded loop writes into an array that is part of a tuple.)
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ Precision = type[np.float64] | type[np.float32]
 
 
 class Fields(NamedTuple):
-    """Everything that sums read of a particle and its neighbors."""
+    """The quantities of a particle and its neighbors that sums read."""
 
     table: Floats
     """all of the following, one row each: the rows that an image copies from its source"""
@@ -187,7 +187,7 @@ class Numbers(Protocol):
 class Constants(Protocol):
     """An array of one record, `Numbers`, which loops read from memory where a formula names them.
 
-    As a tuple they would be known before a loop begins, and the compiler would sum its terms in another order.
+    If they were a tuple, the compiler would know them before a loop begins, and would sum the terms in another order.
     """
 
     def __getitem__(self, place: int) -> Numbers:
@@ -205,9 +205,7 @@ def constants_from(precision: Precision, values: Mapping[str, float]) -> Constan
 
 
 def number(constants: Constants, name: str) -> Any:
-    """One of the constants, in its precision. For values that are read in every step this is faster than the attribute
-    of a record.
-    """
+    """One of the constants, in its precision. In loops over steps this is faster than the attribute of a record."""
     column: Any = constants
     return column[name][0]
 
@@ -222,7 +220,7 @@ class Tait(NamedTuple):
 
 
 class ConstantDensity(NamedTuple):
-    """A liquid whose density does not depend on the pressure: fields named as those of `Tait`."""
+    """A liquid whose density does not depend on the pressure. Its fields have the names of those of `Tait`."""
 
     sound_speed: float
     """infinite"""
@@ -231,7 +229,7 @@ class ConstantDensity(NamedTuple):
 
 
 class TwoLiquids(NamedTuple):
-    """The constants of `Tait` for two liquids, first those of liquid 1."""
+    """The constants of `Tait` for two liquids; those of liquid 1 come first."""
 
     sound_speed: float
     exponent: float

@@ -33,7 +33,7 @@ TOLERANCE, ITERATIONS = 1e-5, 500
 
 
 def projection_of(scene: SphScene, free_surface: bool, weight: Array) -> Projection:
-    """The solver's constants; `weight` is the density times the gravity that pressure balances at rest."""
+    """The constants of the solver; `weight` is the density times the gravity that pressure balances at rest."""
     given = scene.integration
     points = lattice(scene)
     steepness, missing = surface_rows(scene, points)
@@ -73,7 +73,7 @@ class Need(NamedTuple):
 
 
 def _named(part: str, key: str, *harmless: str) -> Callable[[SphScene], list[str]]:
-    """A function that returns a name in a table of the scene if it is not one of these."""
+    """A function that returns the name in a table of the scene, if it is not one of the given names."""
 
     def given(scene: SphScene) -> list[str]:
         value = getattr(getattr(scene, part), key)
@@ -83,7 +83,7 @@ def _named(part: str, key: str, *harmless: str) -> Callable[[SphScene], list[str
 
 
 def _number(part: str, key: str, default: float | None) -> Callable[[SphScene], list[str]]:
-    """A function that returns a number in a table of the scene if it is not the default."""
+    """A function that returns the number in a table of the scene, if it is not the default."""
 
     def given(scene: SphScene) -> list[str]:
         value = getattr(getattr(scene, part), key)

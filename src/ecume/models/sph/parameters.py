@@ -91,7 +91,7 @@ class Dummies(NamedTuple):
 
 
 class Boundary(NamedTuple):
-    """Everything that confines the liquid."""
+    """The walls, solids and open sides that confine the liquid."""
 
     sides: Sides
     """planes with images behind them"""
@@ -290,7 +290,9 @@ class PassiveTracers(NamedTuple):
 
 
 class Parameters(NamedTuple):
-    """See `ecume.models.model`. Python reads this tuple; compiled loops are handed single arrays of it."""
+    """The parameters of a tank: see `ecume.models.model`. Python reads this tuple; compiled loops receive single arrays
+    of it.
+    """
 
     time_step: float
     steps_per_frame: int
@@ -383,14 +385,14 @@ class Parameters(NamedTuple):
         return (cast(float, self.precision((one - other) / (one + other))),)
 
     def parts(self, region: Integers) -> list[tuple[Material, Any]]:
-        """Each liquid with the particles of it, of these regions of the scene."""
+        """Each liquid with its particles from these regions of the scene."""
         if self.second is None:
             return [(self.material, slice(None))]
         kind = self.second.kind[region]
         return [(each, np.flatnonzero(kind == number)) for number, each in enumerate(self.materials, 1)]
 
     def of_each(self, name: str, region: Integers) -> Any:
-        """A number of the liquid: one for all particles, or (N,) where there are two liquids."""
+        """A property of the liquid: one number for all particles, or (N,) for two liquids."""
         if self.second is None:
             return getattr(self.material, name)
         values = np.array([getattr(each, name) for each in self.materials])

@@ -1,18 +1,18 @@
 """The pressure of an incompressible liquid in a step: the equation for it, its solver, and its effect on velocities.
 
-**The condition** (`project`). The pressure keeps the density of each particle. With the excess s_i of the density over
-that at rest, and the compression c_i(v) by the flow, liquid with a free surface has
+**The condition** (`project`). The pressure conserves the density of each particle. With the excess s_i of the density
+over that at rest, and the compression c_i(v) by the flow, liquid with a free surface has
 
     p_i >= 0,   s'_i + time c_i(v) <= 0,   p_i (s'_i + time c_i(v)) = 0,
     s' = max(s, 0)/10 + min(s, 0) + time^2 [tr(G G) - (tr G)^2]/2 :
 
-it resists compression, and not separation [gerszewski2013]. s_i counts what lacks above a flat surface as liquid, see
-`missing_density`; a single drop may approach others until its density is that at rest. The last term, with the
-gradient G of the velocity, is the compression of second order by motion on straight lines within the step. Liquid that
-fills its tank has an equation without bounds, with a tenth of s_i. Its pressure is known up to a constant: the least is
-zero at walls, and that of particles the weight of half a spacing. With a mean of zero the upper half of still water
-would be in tension, in which particles clump; a pressure that is positive everywhere pushes them apart, since a sum
-over a disordered neighborhood does not quite ignore a constant.
+it resists compression, and not separation [gerszewski2013]. s_i counts the missing neighbors above a flat surface as
+liquid, see `missing_density`; a single drop may approach others until its density is that at rest. The last term, with
+the gradient G of the velocity, is the compression of second order by motion on straight lines within the step. For
+liquid that fills its tank the equation has no bounds, and a tenth of s_i. Its pressure is determined up to a constant,
+which is chosen so that the lowest pressure at walls is zero, and the lowest of particles the weight of half a spacing.
+With a mean of zero the upper half of still water would be in tension, in which particles clump. A pressure that is
+positive everywhere pushes them apart, since in a disordered neighborhood a constant pressure does not cancel exactly.
 
 **The matrix** (`System`), A p = b, is never stored: two sums over neighbors multiply with it. Signs are those of
 `rates.sums`: displacements are from i to j, F = (1/r) dW/dr is negative, and g_ij = F x_ij is the gradient of the
@@ -24,16 +24,17 @@ kernel at j. Volumes V are constant. With T_i = sum_j V_j g_ij, where dummies co
 
 The sums over j are over liquid and its images. At a dummy, pressure and velocity are those of the particle itself,
 mirrored at the wall. With the weights V_i the compression is the adjoint of the acceleration, with opposite sign, so
-that -c(a(p)) is symmetric and not negative: its projection is exact [ihmsen2014]. It does not see pressures that
-alternate from particle to particle, which would grow without bound. l(p) is the Laplacian of [cummins1999], which
-sees these best, but leaves a divergence behind. A is the mean of both, time^2 [-c(a(p)) + l(p)]/2. D_i = -sum_j V_j
-F_ij; at a free surface, the value of a full lattice: what is missing is air, with a pressure of zero [nair2014].
+that -c(a(p)) is symmetric and not negative: its projection is exact [ihmsen2014]. It does not resist pressures that
+alternate from particle to particle, which would grow without bound. l(p) is the Laplacian of [cummins1999]: it resists
+these most, but does not remove the divergence completely. The matrix A is the mean of both, time^2 [-c(a(p)) + l(p)]/2.
+D_i = -sum_j V_j F_ij; at a free surface, D_i is the value of a full lattice: missing neighbors represent air with a
+pressure of zero [nair2014].
 
-Behind walls pressure continues as at rest under gravity G. That part of the pressures of images and dummies is known,
-and so are its acceleration r and its Laplacian m. At rest div(r + a(p)) = -div G between mirrors, while m + l(p) = 0:
-this is why the two have separate sources, see `known_compression`. A dummy beside liquid with the acceleration u
-continues the pressure by rho (G - u).x_iw, see `flights`: with u = 0 dummies carried half of the weight of a jet beside
-them, which rose twice as high.
+Behind walls the pressure continues hydrostatically under gravity G. This part of the pressures of images and dummies is
+known, and so are its acceleration r and its Laplacian m. At rest div(r + a(p)) = -div G between mirrors, while m + l(p)
+= 0: therefore the two have separate sources, see `known_compression`. A dummy next to liquid with the acceleration u
+continues the pressure by rho (G - u).x_iw, see `flights`. With u = 0 dummies supported half of the weight of a jet next
+to them, which rose twice as high.
 
 **The solver** (`solve`) is MPRGP, modified proportioning with reduced gradient projections [dostal2005], for A x >= b,
 x >= 0, (A x - b) x = 0: conjugate gradients among the x that are positive, a projected step of fixed length where one
@@ -75,7 +76,7 @@ PROPORTION = 1.0
 
 
 class Problem(NamedTuple):
-    """A problem with bounds, in scaled unknowns."""
+    """A linear problem with bounds, in scaled unknowns."""
 
     apply: Callable[[Array], Array]
     """the product A x"""
@@ -100,7 +101,7 @@ class Solution(NamedTuple):
 
 
 def solve(problem: Problem, guess: Array, tolerance: float, most: int) -> Solution:
-    """The solution within the tolerance, or the result after this number of applications of A."""
+    """The solution within the tolerance, or the last iterate after `most` products with A."""
     x = np.maximum(guess, 0.0) if problem.bounded else guess.copy()
     gradient = problem.apply(x) - problem.right
     free, chopped = _split(problem, x, gradient)
@@ -144,7 +145,9 @@ def solve(problem: Problem, guess: Array, tolerance: float, most: int) -> Soluti
 
 
 def _split(problem: Problem, x: Array, gradient: Array) -> tuple[Array, Array]:
-    """The gradient with respect to the positive x, and the part of the others that would increase them."""
+    """The gradient with respect to the positive x, and the part of the gradient of the zero x that would increase
+    them.
+    """
     if not problem.bounded:
         return gradient, np.zeros_like(gradient)
     inside = x > 0.0
@@ -152,13 +155,13 @@ def _split(problem: Problem, x: Array, gradient: Array) -> tuple[Array, Array]:
 
 
 def _farthest(x: Array, direction: Array) -> float:
-    """The longest step against the direction that keeps all x positive or zero."""
+    """The longest step against the direction for which all x remain positive or zero."""
     falling = direction > 0.0
     return float((x[falling] / direction[falling]).min(initial=np.inf))
 
 
 class System(NamedTuple):
-    """The equation of one step; N particles of liquid, and columns for dummies and images too."""
+    """The equation of one step; N particles of liquid, and columns for dummies and images as well."""
 
     gradient: Array
     """(d + 1, N, room) 1/m^(d+1): g_ij, and F_ij in 1/m^(d+2)"""
@@ -233,14 +236,13 @@ def sum_gradients(
     numbers: tuple[float, float, float], gradient: Array, resting: Array, lifting: Array, moved: Array, slant: Array,
     compact: Array, summed: Array, held: Array, diagonal: Array,
 ) -> None:  # fmt: skip
-    """Fill g_ij and F_ij, T_i, D_i, the sums of kernels, the accelerations where pressures are zero, the diagonal of A.
-
-    `pull` is gravity, then the center and the rate of the central force; `numbers` are the density, the time, and the
-    least D, dummies included.
+    """Fill the arrays of the equation: g_ij and F_ij, T_i, D_i, the sums of kernels, the accelerations at zero
+    pressure, and the diagonal of A. `pull` contains gravity, then the center and the rate of the central force;
+    `numbers` contains the density, the time, and the smallest D, dummies included.
     """
     code, dimension = constants[0].kernel, INDEX(closing.shape[0])
     inverse, scale = constants[0].inverse_length, constants[0].slope_factor
-    factor = scale / (inverse * inverse)  # the sum of the kernel
+    factor = scale / (inverse * inverse)  # the normalization of the kernel
     density, time, full = numbers
     rate = pull[2 * dimension] * pull[2 * dimension]
     zero, one, lighter, deep = 0.0, 1.0, 1.0 / density, closing.shape[0] == 3
@@ -341,8 +343,8 @@ def gravity_at(now: Parameters, position: Array) -> Array:
 
 
 def known_compression(system: System, resting: Array, gravity: Array) -> Array:
-    """The mean (N,) in 1/s^2 of the sources c(r) of -c(a(p)) and -c(G) - m of l(p), with m of dummies before liquid at
-    rest: their acceleration does not matter, since -c(G) - m of dummies is zero.
+    """The mean (N,) in 1/s^2 of the sources: c(r) for -c(a(p)), and -c(G) - m for l(p). m is that of dummies next to
+    liquid at rest; their acceleration has no effect, since -c(G) - m of dummies is zero.
     """
     found: Array = 0.5 * (compressions(system, resting - gravity) - system.held)
     return found
@@ -364,7 +366,7 @@ def moving_compressions(system: System, workspace: Workspace, velocity: Array) -
 
 def excess_of_motion(system: System, workspace: Workspace, state: State) -> Array:
     """The excess of density (N,) by motion on straight lines. The velocity is that before the kick by other forces,
-    which keeps the density; the one in the filled fields is after it.
+    which conserves the density; the filled fields contain the velocity after this kick.
     """
     fields = workspace.fields
     kick = system.time * state.acceleration
@@ -456,7 +458,9 @@ def sum_velocity_gradient(
 
 
 def project(parameters: Parameters, state: State, workspace: Workspace, time: float) -> tuple[System, Array]:
-    """Solve for the pressure, and change the velocities by it; the equation that was solved, and the u of `flights`."""
+    """Solve for the pressure, and change the velocities by it; return the solved equation, and the accelerations u of
+    `flights`.
+    """
     settings = parameters.projection
     if settings is None:
         raise ValueError("got a compressible liquid; expected one with a Projection")
@@ -483,14 +487,15 @@ def project(parameters: Parameters, state: State, workspace: Workspace, time: fl
     record(state, found)
     if forces_work(parameters):
         fill(now, state, workspace)
-        with np.errstate(over="ignore", invalid="ignore"):  # the integration reports values that are not finite
+        # Values that are not finite are reported by the time integration.
+        with np.errstate(over="ignore", invalid="ignore"):
             state.budget[RATE] = power_of_forces(now, state, workspace)
     return system, flight
 
 
 def flights(now: Parameters, system: System, state: State, gravity: Array, uppermost: float) -> Array:
     """The mean acceleration u (d, N) in m/s^2 of the neighbors of each particle near dummies, from the pressures of the
-    step before. It is G where these are zero, in free flight; elsewhere |G - u| is at most |G|.
+    previous step. Where these are zero, in free flight, u is G; elsewhere |G - u| is at most |G|.
 
     With b = a(p) + r of images, the acceleration is u = G + b + B (G - u), so that (1 + B) u = G + b + B G.
     """
@@ -516,8 +521,8 @@ def sum_neighbors(
     found: Array, chosen: Flags, gradient: Array, weight: Array, values: Array, root: Integers, sign: Array,
     lists: Lists,
 ) -> None:  # fmt: skip
-    """Sum V_j F_ij times vectors and matrices of the liquid around the chosen particles, mirrored in images, and last
-    V_j F_ij.
+    """Sum V_j F_ij times vectors and matrices of the liquid around the chosen particles, mirrored in images; the last
+    row is the sum of V_j F_ij.
     """
     counts, start, neighbor = lists
     dimension, rows = len(sign), len(values)
@@ -538,9 +543,9 @@ def sum_neighbors(
 
 
 def add_remaining_work(state: State, system: System, pressure: Array, compression: Array) -> None:
-    """Add the work of the pressure in a step on the compression c (N,) by the final velocities, minus
-    time sum_i V_i p_i c_i. Without compression the pressure only dissipates, (time^2/2) sum_i m_i a_i^2; liquid that an
-    impact finds too dense expands against its pressure.
+    """Add the work of the pressure in a step on the compression c (N,) by the final velocities, minus time sum_i V_i
+    p_i c_i. Without compression the pressure only dissipates, (time^2/2) sum_i m_i a_i^2; liquid that is too dense at
+    an impact expands against its pressure.
     """
     work = -system.time * dot(system.volume, pressure * compression)
     state.budget[WORK] += work
@@ -553,11 +558,12 @@ def mean_of(system: System, values: Array) -> float:
 
 
 def missing_density(system: System, settings: Projection) -> Array:
-    """The missing part of the density of particles at a free surface, over the density, due to the
-    empty space above.
+    """The part of the density of particles at a free surface that is missing because of the empty space above, over the
+    density at rest.
 
     It is that of a row of a lattice below a flat surface with the same sum of gradients. Where that sum is small, as in
-    drops and between approaching surfaces, the density is low because particles are missing: these may approach.
+    drops and between approaching surfaces, the density is low because particles are missing, and such liquid may
+    approach other liquid.
     """
     if not settings.free_surface:
         return np.zeros(len(system.summed))

@@ -73,7 +73,7 @@ def changed(state: State, moved: bool) -> None:
 
 
 def ids(state: State) -> Integers:
-    """The permanent numbers of particles; buffers behind open sides are not liquid yet."""
+    """The permanent numbers of particles. Particles in buffers behind open sides are not part of the liquid yet."""
     return np.where(state.zone == 0, state.identity, -1)
 
 
@@ -87,7 +87,7 @@ TANKS = Access(
 
 
 def start(scene: SphScene, parameters: Parameters) -> State:
-    """The liquid at time 0."""
+    """The initial state of the liquid."""
     other = None if parameters.second is None else parameters.second.material
     state = make_state(parameters, liquid_of(scene, parameters.material, other))
     drive_bodies(parameters, state)
@@ -95,13 +95,13 @@ def start(scene: SphScene, parameters: Parameters) -> State:
 
 
 def layout(scene: SphScene, parameters: Parameters, state: State) -> Layout:
-    """The arrays of a state with this number of particles, which open sides change."""
+    """The arrays of a state with this number of particles, which changes with open sides."""
     vectors, rows = np.zeros((parameters.dimension, state.mass.size)), np.zeros(state.mass.size)
     liquid = Liquid(vectors, vectors, rows, rows, rows, np.zeros(state.mass.size, np.int64))
     blank = make_state(parameters, liquid)
-    if not state.image.size:  # of a former version
+    if not state.image.size:  # states of a former version
         blank = blank._replace(image=state.image, passive_image=state.passive_image)
-    if not state.struck.size:  # of a former version
+    if not state.struck.size:  # states of a former version
         blank = blank._replace(struck=state.struck)
     return Layout(
         blank,
@@ -159,17 +159,19 @@ SCALARS = 15
 
 
 def bytes_per_particle(scene: SphScene) -> float:
-    """State, tables and lists, and a frame while it is written: its arrays, the chunks of its file, and their bytes."""
+    """The memory per particle (bytes): state, tables and lists; and while a frame is written its arrays, the chunks of
+    its file, and their bytes.
+    """
     dimension = len(scene.tank.low)
     reach = 1.1 * kernel_of(scene).support * smoothing_of(scene)
     neighbors = likely_neighbors(dimension, reach / scene.spacing)
     frame = 2 * dimension + 8
-    vectors = 7 * dimension  # five vectors of the state, one in the cells, and the last acceleration
+    vectors = 7 * dimension  # five vectors of the state, one vector in the cells, and the previous acceleration
     return 8.0 * (FIELDS + RATES + RECORD + vectors + SCALARS + COPIES * frame) + 4.0 * neighbors
 
 
 def diagnosis(parameters: Parameters, state: State) -> str:
-    """The message on the first particle that failed: the time, and the remedy."""
+    """The message on the first particle that failed, with the time and the remedy."""
     if parameters.projection is not None and failed(parameters.projection, state):
         return unsolved(parameters, state)
     with np.errstate(over="ignore"):  # a diverged particle may have an infinite speed
@@ -193,7 +195,7 @@ def diagnosis(parameters: Parameters, state: State) -> str:
 
 
 def unsolved(parameters: Parameters, state: State) -> str:
-    """The message on a pressure that did not converge: the particle with the largest error, and the remedy."""
+    """The message that the pressure did not converge: the particle with the largest error, and the remedy."""
     settings = parameters.projection
     assert settings is not None  # noqa: S101  # only a solver fails
     worst = int(np.flatnonzero(state.identity == int(state.tally[WORST]))[0])
@@ -215,7 +217,7 @@ def summary(scene: SphScene) -> list[Row]:
 
 
 def extended(laws: Sequence[BoundLaw]) -> Model:
-    """The model with laws of the user."""
+    """The model with user laws."""
     from ecume.models.sph import user_laws
 
     return user_laws.extended(SPH, laws)

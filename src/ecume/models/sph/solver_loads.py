@@ -1,9 +1,9 @@
 """Mean forces of an incompressible liquid on walls and solids over a step, at the positions and pressures of its
 substeps, so that momentum is conserved.
 
-The pressures of a step act before the particles move. Evaluated after that, as in a compressible liquid, forces on
-walls missed 6 to 16 % of the momentum of a splash. A dummy w has the pressure of the particle i in front of it,
-mirrored: the force on it is -V_i V_w [2 p_i + rho (G - u).x_iw] F x_iw, see `projection`.
+The pressures of a step act before the particles move. With an evaluation after the motion, as in a compressible liquid,
+6 to 16 % of the momentum of a splash was missing in the forces on walls. A dummy w has the pressure of the particle i
+in front of it, mirrored: the force on it is -V_i V_w [2 p_i + rho (G - u).x_iw] F x_iw, see `projection`.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ from ecume.units import Array
 
 
 def add_loads(now: Parameters, state: State, workspace: Workspace, solved: tuple[System, Array]) -> None:
-    """Add the forces and torques of a substep to the means over the step; `solved` are the result of `project`."""
+    """Add the forces and torques of a substep to the means over the step; `solved` is the result of `project`."""
     fill(now, state, workspace)
     fields = workspace.fields
     kept = fields.force_term.copy()
@@ -40,7 +40,9 @@ def add_loads(now: Parameters, state: State, workspace: Workspace, solved: tuple
 
 
 def pressure_on_dummies(now: Parameters, state: State, workspace: Workspace, solved: tuple[System, Array]) -> Array:
-    """The pressure force on each dummy (3, n) (N), including the components of its images in mirrors along these."""
+    """The pressure force on each dummy (3, n) in N, including the components of the forces on its images along their
+    mirrors.
+    """
     (system, flight), d = solved, now.dimension
     count, real = state.position.shape[1], len(workspace.lists.counts)
     found = np.zeros((3, real - count))
@@ -63,7 +65,7 @@ def pressure_on_dummies(now: Parameters, state: State, workspace: Workspace, sol
 
 
 def crossed(now: Parameters, workspace: Workspace, axis: int) -> Flags:
-    """Whether each column is an image in a mirror across an axis, which bears its force along that axis."""
+    """Whether each column is an image in a mirror across an axis; the mirror bears the force along this axis."""
     sides, chains = now.boundary.sides, chains_of(workspace.images, len(workspace.lists.counts))
     found = np.zeros(workspace.fields.shape[1], np.bool_)
     for side in np.flatnonzero(sides.mirrors):

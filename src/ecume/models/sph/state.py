@@ -42,7 +42,9 @@ LIST_COST, CALL_COST = 1.5, 400.0
 
 
 class State(NamedTuple):
-    """All data that affect later bits. Particles are in cell order; `identity` holds their permanent numbers."""
+    """All data that affect later bits. Particles are in the order of cells; `identity` contains their permanent
+    numbers.
+    """
 
     position: Array
     """(d, N) m: axis by axis, so that loops over neighbors read along contiguous rows"""
@@ -117,7 +119,7 @@ class State(NamedTuple):
 
 
 class CellLists(NamedTuple):
-    """All particles in cells, from the time when the neighbor lists were made."""
+    """All particles in cells, at the time when the neighbor lists were made."""
 
     grid: Grid
     sorted: Sorted
@@ -127,7 +129,7 @@ class CellLists(NamedTuple):
 
 @dataclass
 class Workspace:
-    """Scratch of one set of lists; renewed lists take its place."""
+    """Scratch of one set of lists, which is replaced when lists are renewed."""
 
     images: Images
     lists: Lists
@@ -213,7 +215,7 @@ PER_PARTICLE = (
 
 
 def particle_arrays(state: State) -> dict[str, Any]:
-    """The arrays of a state with one value for each particle of the liquid."""
+    """The arrays of a state with one value per particle of the liquid."""
     count = state.position.shape[1]
     return {name: array for name in PER_PARTICLE if (array := getattr(state, name)).shape[-1] == count}
 
@@ -228,8 +230,8 @@ def sort_state(parameters: Parameters, state: State) -> None:
 def skin_for(parameters: Parameters, state: State) -> float:
     """The skin of the next lists (m). Lists with a larger skin are valid for longer, but contain more pairs.
 
-    The fastest particle determines how long they are valid. Making them costs about as much as two and a half sums, and
-    in small systems as much as the sums of some hundred additional particles.
+    The fastest particle determines how long lists are valid. Building them takes about as long as two and a half sums,
+    and in small systems as the sums over some hundred additional particles.
     """
     way = largest(state.velocity) * parameters.time_step / parameters.support
     if not math.isfinite(way):
@@ -277,7 +279,7 @@ def cells_of(all_positions: Array, support: float, skin: float) -> CellLists | N
 
 
 def put_kinds(parameters: Parameters, state: State, fields: Fields) -> None:
-    """Fill the constant fields of two liquids; sorting particles moves them."""
+    """Fill the constant fields of two liquids; sorting moves particles, so the fields must be filled again."""
     if parameters.second is not None:
         count = len(state.region)
         fields.kind[:count] = parameters.second.kind[state.region]

@@ -1,8 +1,8 @@
-"""Laws of the user for liquids: forces between pairs of particles, and external accelerations.
+"""User laws for liquids: forces between pairs of particles, and external accelerations.
 
 Pair laws act between particles of the liquid, also across periodic sides, up to the support of the kernel; they do not
-act on walls and bodies. The acceleration is added to those of the liquid, so that it limits the time step as they do.
-Its power is injected work.
+act on walls and bodies. The accelerations by user laws are added to the others, so that they limit the time step as
+well. Their power is injected work.
 """
 
 from __future__ import annotations
@@ -43,7 +43,7 @@ from ecume.units import Array
 
 
 class LiquidPair(NamedTuple):
-    """The properties of two liquid particles that user-defined laws get, in addition to their distance."""
+    """The properties of two liquid particles that user laws receive, in addition to their distance."""
 
     mass_i: float
     mass_j: float
@@ -54,7 +54,7 @@ class LiquidPair(NamedTuple):
 
 
 class LiquidParticle(NamedTuple):
-    """The properties of a liquid particle that user-defined external laws get, in addition to position, velocity and
+    """The properties of a liquid particle that external user laws receive, in addition to position, velocity and
     time.
     """
 
@@ -121,7 +121,9 @@ class UserForces:
 
 
 def _root_in_liquid(parameters: Parameters, state: State, workspace: Workspace) -> Integers:
-    """The particle of the liquid of which each column is a periodic image, or which it is; -1 for all others."""
+    """The index of the liquid particle for each column that is a liquid particle or its periodic image; -1 for all
+    others.
+    """
     images, real = workspace.images, len(workspace.lists.counts)
     root = np.concatenate([np.arange(real), roots_of(images, real)])
     mirrors = sum(1 << int(side) for side in np.flatnonzero(parameters.boundary.image_owner >= 0))
@@ -130,7 +132,7 @@ def _root_in_liquid(parameters: Parameters, state: State, workspace: Workspace) 
 
 
 def extended(model: Model, laws: Sequence[BoundLaw]) -> Model:
-    """The model with laws of the user. Raises BadInput for functions that are no such laws."""
+    """The model with user laws. Raises BadInput for functions that are not such laws."""
     require_kinds("sph", laws, [PAIR, EXTERNAL])
     pairs, external = ([law for law in laws if law.arguments == kind] for kind in (PAIR, EXTERNAL))
     for law in pairs:

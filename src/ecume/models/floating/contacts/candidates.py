@@ -16,7 +16,7 @@ def find_pairs(
     lists: NeighborLists, slots: tuple[int, int], radius: Array, skin: float, room: int
 ) -> tuple[Integers, Integers]:
     """Pairs of some slots and later slots that may touch while the lists are valid, as lower and higher numbers. If
-    there are too many, one more pair than the capacity is returned.
+    there are more pairs than the capacity, the result has one pair more than the capacity.
     """
     order, rows, widest, found = lists.cells.order, lists.rows, radius.max(), 0
     x, y = rows.sorted_position[0], rows.sorted_position[1]

@@ -72,11 +72,11 @@ class Friction(NamedTuple):
 
 
 class BrownianFriction(Friction):
-    """The same of Brownian floats."""
+    """Friction between Brownian floats."""
 
 
 class BarrierFriction(Friction):
-    """The same in a dish with a barrier."""
+    """Friction between floats in a dish with a barrier."""
 
 
 class FrictionScratch(NamedTuple):
@@ -102,7 +102,7 @@ def make_friction_scratch(
 
 
 def with_friction_impulses(part: Friction, state: State) -> State:
-    """Return the state with an array of tangential impulses, and as many of rolling friction behind them."""
+    """Return the state with an array of tangential impulses, followed by as many of rolling friction."""
     return state._replace(friction_impulse=np.zeros((1 + any(part.rolling)) * len(state.contact_impulse)))
 
 
@@ -130,7 +130,7 @@ def stop_with_friction(
 def push_with_friction(
     part: Friction, scratch: FrictionScratch, bodies: Bodies, contacts: Contacts, midstep_velocity: Array
 ) -> None:
-    """Apply the impulses of collisions to the midstep velocities and the spins."""
+    """Apply the impulses of collisions to the midstep velocities and the spins, with friction."""
     for row in range(contacts.total[0]):
         contacts.impulse[row] *= contacts.scratch[row]
     impulse_solvers.scale(scratch.system, contacts.scratch[: contacts.total[0]])
@@ -148,13 +148,13 @@ def continue_with_friction(
 
 @compiled
 def recall_friction(part: Friction, scratch: FrictionScratch, state: State) -> None:
-    """Start from the tangential impulses and couples of the previous step."""
+    """Start from the tangential impulses and rolling torques of the previous step."""
     impulse_solvers.recall(scratch.system, memory_of(state), state.friction_impulse)
 
 
 @compiled
 def remember_friction(part: Friction, scratch: FrictionScratch, state: State) -> None:
-    """Store the tangential impulses and couples for the next step."""
+    """Store the tangential impulses and rolling torques for the next step."""
     impulse_solvers.remember(scratch.system, memory_of(state), state.friction_impulse)
 
 
@@ -192,8 +192,8 @@ def friction_of(parameters: Parameters, scene: FloatingScene, interactions: tupl
 
 
 def friction_at_step(part: Friction, parameters: Parameters, turned: Array | None, pushed: bool) -> Friction:
-    """Return the part with the constants of its spin kicks. If interactions also turn the floats, they include the
-    drag.
+    """Return the part with the constants of its spin kicks, which contain the drag only if no interaction turns the
+    floats.
     """
     friction = part.decay if turned is None else np.zeros_like(part.decay)
     decay, spin_mobility = spin_kick(parameters, part.inertia, friction)
@@ -246,15 +246,15 @@ class Outlined(NamedTuple):
 
 
 class BrownianImpulses(Impulses):
-    """The same of Brownian floats."""
+    """Impulses between Brownian floats."""
 
 
 class BarrierImpulses(Impulses):
-    """The same in a dish with a barrier."""
+    """Impulses between floats in a dish with a barrier."""
 
 
 class Variants(NamedTuple):
-    """The types of a part that need further code."""
+    """The types of a part that need further compiled code."""
 
     brownian: type
     """floats with thermal noise, whose collisions are computed on their paths"""
@@ -269,8 +269,8 @@ VARIANTS = {
 
 
 def variant_of(part: Any, parameters: Parameters, pushed: bool) -> Any:
-    """The part in the type of Brownian floats, or of those that a barrier has `pushed`, so that others compile nothing
-    for them.
+    """The part in the type for Brownian floats, or for floats that a barrier has `pushed`; other scenes then compile no
+    code for these.
     """
     variants = VARIANTS[type(part)]
     kind = variants.brownian if parameters.drift.thermal > 0.0 else variants.pushed if pushed else type(part)
@@ -278,7 +278,7 @@ def variant_of(part: Any, parameters: Parameters, pushed: bool) -> Any:
 
 
 def impulses_at_step(part: Impulses, parameters: Parameters, turned: Array | None, pushed: bool) -> Impulses:
-    """Return the part in the type for this scene."""
+    """Return the part in the type that this scene requires."""
     found: Impulses = variant_of(part, parameters, pushed)
     return found
 
@@ -318,7 +318,7 @@ def contact_bodies(parameters: Parameters) -> Bodies:
 
 @compiled_inside
 def restitutions_of(parameters: Parameters) -> tuple[int, float, float]:
-    """The number of floats, and the restitution among them and at walls, for `restitution_of`."""
+    """The number of floats, the restitution between floats, and that at walls, for `restitution_of`."""
     return len(parameters.floats.radius), parameters.restitution, parameters.wall_restitution
 
 
@@ -331,8 +331,8 @@ def restitution_of(restitutions: tuple[int, float, float], partner: int) -> floa
 
 @compiled
 def require_stops(overlapping: bool, parameters: Parameters, contacts: Contacts | TorqueContacts) -> float:
-    """Require that pairs which collide in this step stop, from the speeds in `contacts.scratch`; return the fastest of
-    these approaches.
+    """Require that pairs which collide in this step stop, from the approach speeds in `contacts.scratch`; return the
+    highest of these speeds.
 
     Without restitution a pair moves until it touches, and is stopped in the next step.
     """
@@ -343,7 +343,7 @@ def require_stops(overlapping: bool, parameters: Parameters, contacts: Contacts 
         comes = speed[row] < -slowest and gap[row] + parameters.time_step * speed[row] < 0.0
         among_floats = second[row] < len(parameters.floats.radius)
         if overlapping and among_floats:
-            # As in the original program, which acts on overlapping floats.
+            # As in the original program, where only overlapping floats collide.
             comes = speed[row] < 0.0 and gap[row] <= 0.0
         elif restitution_of(restitutions, second[row]) == 0.0:
             comes = comes and gap[row] < parameters.slop
@@ -355,7 +355,9 @@ def require_stops(overlapping: bool, parameters: Parameters, contacts: Contacts 
 
 @compiled
 def share_restitution(parameters: Parameters, contacts: Contacts | TorqueContacts, of_float: Array) -> None:
-    """Compute the restitution of each float: the least among all that collide together, which cannot create energy."""
+    """Compute the restitution of each float: the smallest of all simultaneous collisions in its group, which cannot
+    create energy.
+    """
     first, second, impulse, count = contacts.first, contacts.second, contacts.impulse, len(parameters.floats.radius)
     for i in range(count):
         of_float[i] = np.inf
@@ -385,7 +387,8 @@ def bounce(
     of_float: Array,
 ) -> None:
     """Apply collisions to the midstep velocities: (1 + e) times the impulses that stop all approaches. `velocities` are
-    those before the kick, which this overwrites, and at midstep; `of_float` (N,) receives the restitutions.
+    two arrays: those before the kick, which are overwritten, and those at midstep; `of_float` (N,) receives the
+    restitutions.
     """
     before, midstep_velocity = velocities
     normal_velocities(contacts, before, contacts.scratch)
@@ -442,7 +445,7 @@ def push_smooth(part: Any, scratch: Any, bodies: Bodies, contacts: Contacts, mid
 
 @compiled
 def free_shares(parameters: Parameters, contacts: Contacts) -> Array:
-    """The velocities of both floats of each contact by opposite unit forces, without interaction through the liquid."""
+    """The velocities of both floats of each contact by opposite unit forces, without hydrodynamic interaction."""
     gain, share = parameters.kick.gain, np.zeros((contacts.total[0], 2))
     for row in range(len(share)):
         i, j = contacts.first[row], contacts.second[row]
@@ -454,7 +457,7 @@ def free_shares(parameters: Parameters, contacts: Contacts) -> Array:
 
 @compiled
 def collide_smoothly(part: Any, parameters: Parameters, state: State, workspace: Workspace) -> None:
-    """Compute the collisions of Brownian floats on their paths; only lasting contacts remain for the contact solve."""
+    """Compute the collisions of Brownian floats on their paths; only lasting contacts remain for the contact solver."""
     contacts, velocity, gain = workspace.contacts, workspace.midstep_velocity, parameters.kick.gain
     share, driven = free_shares(parameters, contacts), workspace.stages[DRIVEN]
     found = collide_on_paths(parameters, state, contacts, (velocity, driven), share, Flow(np.zeros(0), 0.0))
@@ -466,7 +469,7 @@ def collide_smoothly(part: Any, parameters: Parameters, state: State, workspace:
 
 @compiled
 def collide_together(part: Any, parameters: Parameters, state: State, workspace: Workspace) -> None:
-    """Leave all contacts of Brownian floats to the solve, which adds friction to them."""
+    """Leave all contacts of Brownian floats to the contact solver, which includes friction."""
     contacts = workspace.contacts
     lasting = np.ones(len(parameters.floats.radius), np.int64)
     share = free_shares(parameters, contacts)
@@ -493,7 +496,7 @@ def push_outlines(
 
 @compiled
 def add_pushes_on_walls(part: Any, tally: Array, contacts: Contacts, count: int) -> None:
-    """Add the impulses of contacts on each wall to those of this step."""
+    """Add the impulses of contacts on each wall to the wall impulses of this step."""
     for row in range(contacts.total[0]):
         if contacts.second[row] >= count:
             tally[PUSHES + contacts.second[row] - count] += contacts.impulse[row]
@@ -501,8 +504,8 @@ def add_pushes_on_walls(part: Any, tally: Array, contacts: Contacts, count: int)
 
 @compiled
 def still_before_barrier(part: Any, parameters: Parameters, velocity: Array) -> float:
-    """The tolerance of the solve while a wall moves: a barrier pushes rows of floats against drag, at equal speeds up
-    to that. The velocities of walls are behind those of the floats.
+    """The tolerance of the contact solve while a wall moves. A barrier pushes rows of floats against drag; their speeds
+    are equal to within this tolerance. The velocities of walls follow those of the floats in the array.
     """
     for row in range(len(parameters.floats.radius), len(velocity)):
         if velocity[row, 0] != 0.0 or velocity[row, 1] != 0.0:
@@ -590,7 +593,7 @@ def collide(part: Any, scratch: Any, parameters: Parameters, state: State, works
     """
     contacts, midstep_velocity = workspace.contacts, workspace.midstep_velocity
     load_spins(part, scratch, parameters, state, False)
-    # Twice the travel for a head-on pair, and twice again for floats that others push.
+    # Twice the travel for a head-on pair; another factor of two for floats that other floats push.
     reach = 4.0 * workspace.travel[0] + parameters.slop
     touching.gather(contacts, workspace.candidates, state.position, contact_bodies(parameters), reach)
     split_velocities(parameters, state, workspace)
@@ -604,7 +607,7 @@ def collide(part: Any, scratch: Any, parameters: Parameters, state: State, works
 
 @compiled
 def split_velocities(parameters: Parameters, state: State, workspace: Workspace) -> None:
-    """Separate the part of the velocities that contacts change from the rest."""
+    """Separate the part of the velocities that contacts change from the remainder."""
     midstep_velocity, before, decay, velocity = (
         workspace.midstep_velocity,
         workspace.before,
@@ -622,7 +625,7 @@ def split_velocities(parameters: Parameters, state: State, workspace: Workspace)
 
 @compiled
 def require_gaps(overlapping: bool, parameters: Parameters, contacts: Contacts | TorqueContacts) -> None:
-    """Require that no pair closes more than its gap in this step."""
+    """Require that no pair approaches by more than its gap in this step."""
     for row in range(contacts.total[0]):
         free = overlapping and contacts.second[row] < len(parameters.floats.radius)
         contacts.bound[row] = -np.inf if free else -max(contacts.gap[row], 0.0) / parameters.time_step
@@ -646,8 +649,9 @@ def separate(part: Any, scratch: Any, parameters: Parameters, state: State, work
 
 @compiled
 def require_rest(parameters: Parameters, contacts: Contacts | TorqueContacts, still: float) -> None:
-    """Set bounds that keep the gaps of pairs open which approach only because of the kick, or not faster than `still`;
-    `contacts.scratch` has the speeds with the kick, `contacts.change` those without it.
+    """Bound the relative velocities of pairs that approach only because of the kick, or not faster than `still`, so
+    that their gaps do not close; `contacts.scratch` contains the speeds with the kick, `contacts.change` those without
+    it.
 
     A faster approach is not constrained: it is a collision of the next step.
     """

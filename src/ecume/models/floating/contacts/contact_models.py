@@ -2,10 +2,11 @@
 
 Contacts as springs and dashpots instead of impulses. They are stable only for short time steps.
 
-The force of a contact is that of the spring at the positions, and of the dashpot at the velocities, at the beginning
-of the step. In velocity Verlet, the other half of it acts at the end, where dashpots use the midstep velocities: with
-those at the end, a pair would rest off its equilibrium. Forces are equal and opposite along the line of centers, so
-that momentum and angular momentum are conserved to rounding. Only the stiffness limits overlaps.
+The force of a contact is that of the spring at the positions, and of the dashpot at the velocities, at the beginning of
+the step. In velocity Verlet, half of the force acts at the beginning and half at the end. At the end, dashpots use the
+midstep velocities: with the final velocities, a pair would not come to rest at its equilibrium. Forces are equal and
+opposite along the line of centers, so that momentum and angular momentum are conserved to rounding. Only the stiffness
+limits overlaps.
 """
 
 from __future__ import annotations
@@ -224,7 +225,7 @@ def contacts_of(parameters: Parameters) -> ContactModel:
 
 
 def gaps_between(parameters: Parameters, position: Array, angle: Array, reach: float) -> Gaps:
-    """Triples (i, j, gap) of floats with outlines closer than `reach`; N + k denotes wall number k."""
+    """Triples (i, j, gap) of floats with outlines closer than `reach`; the number N + k denotes wall k."""
     gaps = contacts_of(parameters).gaps
     return [] if gaps is None else gaps(parameters.parts.contacts, parameters, (position, angle), reach)
 

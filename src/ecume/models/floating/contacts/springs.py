@@ -52,7 +52,9 @@ def springs_of(parameters: Parameters, scene: FloatingScene, interactions: tuple
 
 
 def stiffness_of(parameters: Parameters) -> float:
-    """The stiffness (N/m) at which six neighbors and the walls cause an overlap of SHALLOW. Raises SceneError."""
+    """The stiffness (N/m) at which the pressure of six neighbors and of the walls causes a relative overlap of SHALLOW.
+    Raises SceneError.
+    """
     floats, length = parameters.floats, float(parameters.pair[CAPILLARY_LENGTH])
     smallest, strongest = float(floats.radius.min()), float(abs(floats.charge).max())
     touching = two_floats(parameters, (smallest, smallest), (strongest, strongest))
@@ -66,7 +68,9 @@ def stiffness_of(parameters: Parameters) -> float:
 
 
 def damping_of(restitution: float) -> float:
-    """The dashpot's damping over the critical one, for a lone collision's restitution. Raises SceneError."""
+    """The damping of the dashpot over the critical one, at which an isolated collision has this restitution. Raises
+    SceneError.
+    """
     if restitution < LEAST_RESTITUTION:
         raise scene_error(
             "contacts.restitution",
@@ -85,7 +89,7 @@ def reduced_mass(mass: Array, i: int, j: int) -> float:
 
 @compiled
 def push_apart(springs: Springs, parameters: Parameters, state: State, contacts: Contacts, time: float) -> None:
-    """Compute the impulses of springs and dashpots in that time, from the approach speeds in `contacts.change`."""
+    """Compute the impulses of springs and dashpots during `time`, from the approach speeds in `contacts.change`."""
     mass = parameters.floats.mass
     for row in range(contacts.total[0]):
         j, overlap = contacts.second[row], -contacts.gap[row]

@@ -9,16 +9,16 @@ density at contact then converges with the first order in the time step, as in s
 [bossy2004], mean gaps with the second.
 
 Forces that press floats together bring them back to contact within a step. Where they are strong, the step therefore
-has several intervals, in each of which the paths are straight: the noise of an interval is drawn so that the sum is
-that of the step, which does not change floats without collisions. Floats that are pressed so strongly that they would
-need more than `MOST_INTERVALS` are in lasting contact. These, and all floats that collide with them in the same step,
-are solved together as impulses, with the gaps of `reflected_gain` for each pair. For simultaneous contacts these gaps
-are not those of equilibrium: of three floats that bind one another, those far below kT over the force are a quarter too
-frequent.
+has several intervals, in each of which the paths are straight. The noises of the intervals add up to that of the step,
+so that floats without collisions move as without intervals. Floats that are pressed so strongly that they would need
+more than `MOST_INTERVALS` are in lasting contact. Lasting contacts, and all floats that collide with them in the same
+step, are solved together as impulses, with the gaps of `reflected_gain` for each pair. For simultaneous contacts the
+distribution of these gaps is not that of equilibrium: for three mutually bound floats, gaps far below kT over the force
+are a quarter too frequent.
 
-Floats that interact through the liquid: a collision moves the two floats with the mobilities of the pair, and all that
-could touch one of them in this step by the flow. The mean forces of all collisions then move the others. What these
-bring into contact is reflected by the impulses at the end of the step.
+Floats that interact through the liquid: a collision moves the two floats with the mobilities of the pair, and the flow
+moves all floats that could touch one of them in this step. The mean forces of all collisions then move the other
+floats; new contacts among these are solved as impulses at the end of the step.
 """
 
 from __future__ import annotations
@@ -137,7 +137,9 @@ def paths_of(count: int) -> Paths:
 
 @compiled
 def begin_interval(paths: Paths, interval: Interval, velocity: Array, noise: Array) -> None:
-    """Move all floats to the beginning of an interval, with the velocities of the step and the noise."""
+    """Move all floats to the beginning of an interval; their velocity is then the velocity of the step plus the noise
+    of the interval.
+    """
     for i in range(len(paths.since)):
         advance_path(paths, i, interval.end - interval.length)
         paths.hits[i] = 0
@@ -172,7 +174,9 @@ def meetings_of(contacts: Contacts, count: int) -> Meetings:
 
 @compiled
 def intervals_of(parameters: Parameters, contacts: Contacts, driven: Array, share: Array) -> int:
-    """The number of intervals of a step, by the strongest force that does not press two bodies into lasting contact."""
+    """The number of intervals of a step, from the largest force that does not yet press two bodies into lasting
+    contact.
+    """
     strongest, time, count = 0.0, parameters.time_step, len(parameters.floats.radius)
     for row in range(contacts.total[0]):
         if contacts.bound[row] > -np.inf:
@@ -185,8 +189,8 @@ def intervals_of(parameters: Parameters, contacts: Contacts, driven: Array, shar
 
 @compiled
 def noise_of_intervals(parameters: Parameters, state: State, contacts: Contacts, number: int) -> Array:
-    """The velocities by noise in each interval, less that of the step (m/s), whose mean they leave: normal numbers of
-    the variance of an interval, less their mean. Zero for floats without contacts.
+    """The noise velocities in each interval minus that of the step (m/s): normal numbers with the variance of an
+    interval, minus their mean, so that the mean velocity of the step is unchanged. Zero for floats without contacts.
     """
     count = len(parameters.floats.radius) if number > 1 else 0
     noise, touching_one, step = np.zeros((number, count, 2)), np.zeros(count, np.int64), int(state.step[0])
@@ -225,7 +229,7 @@ def collide_in_interval(
     for i in range(count):
         meetings.last[i] = 0
     for row in range(contacts.total[0]):
-        # Two discs stay apart if the plane between them is not crossed.
+        # Two discs stay apart if they do not cross the plane between them.
         if contacts.bound[row] > -np.inf and (contacts.second[row] >= count or crosses(contacts, paths, row, interval)):
             schedule(queue, row, meeting_time(parameters, state, contacts, paths, row, interval.end))
     while queue.size[0] > 0:
@@ -250,7 +254,7 @@ def collide_in_interval(
 
 @compiled
 def crosses(contacts: Contacts, paths: Paths, row: int, interval: Interval) -> bool:
-    """Whether two floats together move farther along their normal than their gap until the end of an interval."""
+    """Whether two floats together move along their normal by more than their gap until the end of an interval."""
     i, j, gap, time = contacts.first[row], contacts.second[row], contacts.gap[row], interval.length
     for axis in range(2):
         moved = paths.moved[j, axis] - paths.moved[i, axis]
@@ -267,8 +271,9 @@ def bodies_around(
     meetings: int,
     further: bool,
 ) -> int:
-    """List the floats that a collision moves: the two of the contact, or the one at a wall, and `further` all that have
-    a contact with them. Returns their number. `found`: the list, and the last collision that listed each float.
+    """List the floats that a collision moves: the two of the contact, or the one at a wall, and, if `further`, all
+    floats that have a contact with them. Returns their number. `found` contains the list, and for each float the last
+    collision that listed it.
     """
     (changed, last), (first, rows), count = found, around, len(found[0])
     i, j = contacts.first[row], contacts.second[row]
@@ -297,8 +302,8 @@ def carry(
     force: tuple[float, float],
     others: Integers,
 ) -> None:
-    """Change the velocities of other floats by the flow of the force of a collision, which acts on the second float,
-    and with opposite sign on the first.
+    """Change the velocities of other floats by the flow that the force of a collision causes; the force acts on the
+    second float, and with opposite sign on the first.
     """
     for k in others:
         advance_path(paths, k, when)
@@ -335,8 +340,8 @@ def contacts_of_floats(contacts: Contacts, count: int) -> tuple[Integers, Intege
 
 @compiled
 def meeting_time(parameters: Parameters, state: State, contacts: Contacts, paths: Paths, row: int, end: float) -> float:
-    """The time at which the two bodies of a contact meet on their paths (s); infinite after `end`, or for a lasting
-    contact.
+    """The time (s) at which the two bodies of a contact meet on their paths; infinite if that is after `end`, or for a
+    lasting contact.
     """
     i, j, radius = contacts.first[row], contacts.second[row], parameters.floats.radius
     if paths.lasting[i] > 0 or contacts.bound[row] == -np.inf:
@@ -356,7 +361,9 @@ def meeting_time(parameters: Parameters, state: State, contacts: Contacts, paths
 
 @compiled
 def first_root(half: float, last: float, square: float) -> float:
-    """The first positive t with square t^2 + 2 half t + last = 0, where this falls; zero if it is negative already."""
+    """The smallest positive root t of square t^2 + 2 half t + last at which the polynomial decreases; zero if `last` is
+    negative.
+    """
     if half >= 0.0:
         return math.inf
     if last <= 0.0:
@@ -388,7 +395,7 @@ def time_of_wall(parameters: Parameters, state: State, paths: Paths, i: int, num
 
 @compiled
 def pair_at(contacts: Contacts, paths: Paths, row: int, touch: float, when: float) -> tuple[float, float]:
-    """The vector between the centers of two floats at this time of the step (m)."""
+    """The vector between the centers of two floats at the time `when` of the step (m)."""
     i, j, apart = contacts.first[row], contacts.second[row], touch + contacts.gap[row]
     since_i, since_j, moved, velocity = when - paths.since[i], when - paths.since[j], paths.moved, paths.velocity
     x = apart * contacts.normal[row, 0] + moved[j, 0] + since_j * velocity[j, 0]
@@ -429,8 +436,8 @@ def reflect_pair(
     event: tuple[int, float, Interval],
     given: tuple[Array, Array, Array],
 ) -> tuple[float, float]:
-    """Reflect the velocities of two bodies, whose `event` is a contact, the time and its interval. Returns
-    the force on the second one until the end of the interval (N).
+    """Reflect the velocities of two bodies; `event` consists of a contact, the time and its interval. Returns the force
+    on the second body until the end of the interval (N).
     """
     (row, when, interval), (driven, share, impulse), radius = event, given, parameters.floats.radius
     i, j, time, thermal = contacts.first[row], contacts.second[row], interval.length, parameters.drift.thermal
@@ -490,8 +497,8 @@ def spread_lasting(contacts: Contacts, met: Integers, lasting: Integers) -> None
 def require_distances(
     parameters: Parameters, state: State, contacts: Contacts, velocity: Array, share: Array, lasting: Integers
 ) -> None:
-    """Set the bounds of the relative velocities of all contacts, from the velocities after the collisions: in lasting
-    contacts the gaps of reflected motions, in others that floats end apart.
+    """Set the bounds of the relative velocities of all contacts, from the velocities after the collisions. In lasting
+    contacts they lead to the gaps of reflected motions; in others, the floats do not overlap at the end.
     """
     time, count = parameters.time_step, len(parameters.floats.radius)
     touching.normal_velocities(contacts, velocity, contacts.scratch)
@@ -513,7 +520,7 @@ def require_distances(
             contacts.bound[row] = min(contacts.bound[row], contacts.scratch[row])
             continue
         if ahead > 0.0:
-            # The displacement along the normal that leads to this gap, in addition to the motion across it.
+            # The displacement along the normal that leads to this gap, given the tangential displacement.
             target = end + ahead - moved - contacts.gap[row]
             contacts.bound[row] = (math.sqrt(max(target**2 - across**2, 0.0)) - ahead + moved) / time
         else:
@@ -524,8 +531,8 @@ def require_distances(
 def free_gap(
     parameters: Parameters, state: State, contacts: Contacts, row: int, velocity: Array
 ) -> tuple[float, float, float]:
-    """The gap of a contact at the end of the step without contacts, and for two floats the vector between their centers
-    then: its parts along and across the normal (m). At walls these are zero.
+    """The gap that a contact would have at the end of the step without contact forces, and the final vector between the
+    centers of two floats: its components along and across the normal (m), zero at walls.
     """
     i, j, time, radius = contacts.first[row], contacts.second[row], parameters.time_step, parameters.floats.radius
     if j >= len(radius):

@@ -8,8 +8,8 @@ splines, so that the product is symmetric. The grid has twice the extent of the 
 Velocities err by `ERROR` of their r.m.s. value for forces of random sign. All sums have a fixed order, for any number
 of threads.
 
-The integrator is that of `mobility`, with products in place of the matrix. Python runs the time steps around compiled
-parts, since the transforms are SciPy's.
+The integrator is that of `mobility`, with products instead of the matrix. Python runs the time steps and calls compiled
+parts, because the Fourier transforms are SciPy functions.
 """
 
 from __future__ import annotations
@@ -103,7 +103,7 @@ class NearPairs(NamedTuple):
 
 
 class FlowGrid(NamedTuple):
-    """Everything that a product with the mobility requires, at one set of positions."""
+    """The data of a product with the mobility at one set of positions."""
 
     unit: float
     """1/(3 pi eta)"""
@@ -141,7 +141,9 @@ def place_flow_grid(position: Array, radius: Array, viscosity: float, drifting: 
 
 
 def _between_weights(flow: Array, curvature: Array, spacing: float, square: float, equal: bool) -> Array:
-    """S + (a^2 + b^2) D in SI units: one field of equal floats, or those between the weights 1 and a^2."""
+    """The weights of the fields, S + (a^2 + b^2) D in SI units: one field for equal floats, otherwise fields between
+    the weights 1 and a^2.
+    """
     single, double = flow / spacing, curvature / spacing**3
     if equal:
         return np.asarray((single + square * double)[None, None])
@@ -149,7 +151,7 @@ def _between_weights(flow: Array, curvature: Array, spacing: float, square: floa
 
 
 def shape_around(span: Array, spacing: float) -> Shape:
-    """The grid without periodic images for floats that cover this rectangle."""
+    """The grid, without periodic images, for floats within a rectangle of size `span`."""
     from scipy import fft
 
     points = np.maximum(span / spacing, 1.0) + 2.0 * ORDER
@@ -181,8 +183,8 @@ def _pairs_within(position: Array, reach: float) -> float:
 
 @lru_cache(maxsize=4)
 def _transformed(shape: Shape, first: int, last: int) -> tuple[Array, Array]:
-    """The transforms of smooth S and D on a grid of spacing 1, for fields from `first` to `last`, corrected for
-    splines; divided by i where they are odd.
+    """The Fourier transforms of smooth S and D on a grid of spacing 1, for fields from `first` to `last`, corrected for
+    splines; odd fields are divided by i.
     """
     from scipy import fft
 
@@ -197,7 +199,7 @@ def _transformed(shape: Shape, first: int, last: int) -> tuple[Array, Array]:
 
 @compiled
 def sample_flow(sampled: Array, first: int) -> None:
-    """Fill fields at the distances of periodic grid points, in spacings."""
+    """Fill the fields with their values at the distances of periodic grid points, in units of the spacing."""
     rows, columns = sampled.shape[2], sampled.shape[3]
     for row in range(rows):
         x = float(row if 2 * row < rows else row - rows)
@@ -220,7 +222,9 @@ def sample_flow(sampled: Array, first: int) -> None:
 
 @compiled_inside
 def smooth_parts(kind: int, distance: float) -> tuple[float, float]:
-    """Smooth S (0) or D (1) of the width of this module at a distance in spacings."""
+    """The smooth part S (kind 0) or D (kind 1) at a distance, for the splitting width of this module; lengths in
+    spacings.
+    """
     if kind == 0:
         across, along = smooth_flow(distance / WIDTH)
         return across / WIDTH, along / WIDTH
@@ -243,7 +247,7 @@ def near_pairs(position: Array, radius: Array, width: float) -> NearPairs:
 
 @compiled_inside
 def _corner_cells(cell: int, shape: Integers) -> tuple[int, int, int, int]:
-    """The rows and columns of cells around a cell: the first, and one after the last."""
+    """The rows and columns of the cells around a cell: the first of each, and one after the last."""
     row, column = cell // shape[1], cell % shape[1]
     return max(row - 1, 0), min(row + 2, shape[0]), max(column - 1, 0), min(column + 2, shape[1])
 
@@ -252,7 +256,7 @@ def _corner_cells(cell: int, shape: Integers) -> tuple[int, int, int, int]:
 def _count_near(
     position: Array, reach: float, cells: tuple[Integers, Integers, Integers, Integers], first: Integers
 ) -> None:
-    """Write the number of near floats of each, itself included, after its place in `first`."""
+    """Count the floats near each float, itself included, and write the number after its entry in `first`."""
     of, shape, start, order = cells
     for i in prange(len(position)):
         found = 0
@@ -273,7 +277,7 @@ def _list_near(
     first: Integers,
     partner: Integers,
 ) -> None:
-    """Write the near floats of each."""
+    """Write the list of near floats of each float."""
     of, shape, start, order = cells
     for i in prange(len(position)):
         spot = first[i]
@@ -306,7 +310,7 @@ def _fill_near(position: Array, radius: Array, width: float, first: Integers, pa
             x, y = position[i, 0] - position[j, 0], position[i, 1] - position[j, 1]
             distance = math.sqrt(x * x + y * y)
             across, along = short_parts(distance, radius[i], radius[j], width)
-            # At one place the mobilities are the same in all directions.
+            # At zero distance the mobility is isotropic.
             skew = (along - across) / (distance * distance) if distance > 0.0 else 0.0
             block[place, 0] = across + skew * x * x
             block[place, 1] = skew * x * y
@@ -329,7 +333,7 @@ def _multiply_near(first: Integers, partner: Integers, block: Array, force: Arra
 def _diverge_near(
     position: Array, radius: Array, width: float, first: Integers, partner: Integers, drift: Array
 ) -> None:
-    """Write the sum of the divergences of the short-range part."""
+    """Write the sum over near pairs of the divergence of the short-range part."""
     for i in prange(len(drift)):
         along, across = 0.0, 0.0
         for place in range(first[i], first[i + 1]):
@@ -375,7 +379,7 @@ def flow_divergence(grid: FlowGrid, position: Array) -> Array:
 
 
 def _waves_of(grid: FlowGrid, charge: Array) -> NDArray[np.complex128]:
-    """The transform of charges on the grid."""
+    """The Fourier transform of charges on the grid."""
     from scipy import fft
 
     waves: NDArray[np.complex128] = fft.rfft2(interpolation.density(grid.spread, charge, grid.shape), workers=WORKERS)
@@ -431,14 +435,16 @@ def grid_memory(part: GridKicks) -> float:
 
 
 def grid_pairs(part: GridKicks) -> float:
-    """The work of a time step, in pairs: one for a near pair and about ten for a grid point, in each product."""
+    """The work of a time step in units of one pair: one for a near pair and about ten for a grid point, in each
+    product.
+    """
     return PRODUCTS * len(part.kicks.radius) * (NEIGHBORS + 10.0 * POINTS)
 
 
 def fastest_on_grid(
     part: GridKicks, scratch: GridScratch, parameters: Parameters, state: State, workspace: Workspace
 ) -> float:
-    """Compute the velocities by forces, without the current; return the highest speed, as `fastest_coupled`."""
+    """Compute the velocities by forces, without the current; return the highest speed, NaN if any is NaN."""
     kicks, motion = part.kicks, scratch.motion
     if not np.isfinite(state.position).all():
         return math.nan
@@ -476,7 +482,7 @@ def add_noise_on_grid(part: CoupledKicks, scratch: GridScratch, parameters: Para
 def add_work_on_grid(
     part: GridKicks, scratch: GridScratch, parameters: Parameters, state: State, workspace: Workspace
 ) -> None:
-    """Add the work of the current: see `mobility.add_coupled_work`."""
+    """Add the work of the current on the floats: see `mobility.add_coupled_work`."""
     add_coupled_work(part.kicks, scratch.motion, parameters, state, workspace)
 
 
@@ -509,7 +515,7 @@ def collide_on_grid(
 def push_on_grid(
     scratch: GridScratch, parameters: Parameters, state: State, workspace: Workspace, tolerance: Tolerance
 ) -> None:
-    """Solve for the forces of all contacts and change the motion by them."""
+    """Solve for the forces of all contacts and add the velocities that they cause."""
     contacts, grid, count = workspace.contacts, scratch.grid[0], len(scratch.motion.current)
     total = int(contacts.total[0])
     contacts.impulse[:total] /= parameters.time_step

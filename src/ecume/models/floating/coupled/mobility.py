@@ -1,17 +1,17 @@
 """Hydrodynamic interaction of floats by a mobility matrix: the matrix, the integrator, and
 contacts.
 
-The integrator of floats that interact through the liquid: v = u + M F, with Brownian motion. The current u adds to
-the velocities, and is no force zeta u: floats that drift with it are free of forces.
+The integrator of floats that interact through the liquid is v = u + M F, with Brownian motion. The current u is added
+to the velocities instead of a force zeta u: no force acts on floats that drift with the current.
 
 Contacts of floats that interact through the liquid: the impulse of each contact moves all floats. Without inertia
-nothing rebounds. One plastic solve for the midstep velocities, with the full mobility, keeps floats from overlapping
-after the step.
+floats do not rebound. One plastic solve for the midstep velocities, with the full mobility, keeps floats from
+overlapping after the step.
 
-Films are the near field of each pair. Far apart two spheres move one another as the mobility says; close together a
-film resists their relative motion in addition. Its friction is such that two spheres which approach have the exact
-resistance at any gap: zeta/2 times lambda(l/R) of `drag.pair_factor` minus the resistance by the mobility alone. Films
-have no part in the motion of a rigid raft, whose speed is that of the far field.
+Films are the near field of each pair. The mobility describes two distant spheres; at small gaps a film also resists
+their relative motion. Its friction gives two approaching spheres the exact resistance at any gap: zeta/2 times
+lambda(l/R) of `drag.pair_factor` minus the resistance by the mobility alone. Films do not affect a rigid raft, whose
+speed follows from the far field.
 
 With films of friction D the velocities v0 become v = v0 - M J^T D J v. This is solved for psi = D^(1/2) J v,
 (1 + D^(1/2) J M J^T D^(1/2)) psi = D^(1/2) J v0, by conjugate gradients.
@@ -105,7 +105,7 @@ class CoupledScratch(NamedTuple):
 
 
 def flow_of(part: CoupledKicks) -> Flow:
-    """The data by which collisions of floats move their neighbors."""
+    """The data that describe how collisions of floats move their neighbors."""
     return Flow(part.radius, 1.0 / (3.0 * math.pi * part.viscosity))
 
 
@@ -117,8 +117,8 @@ def make_coupled_scratch(part: CoupledKicks) -> CoupledScratch:
 
 
 def coupled_memory(part: CoupledKicks) -> float:
-    """The memory of the mobility matrix, and of the responses to each contact of a raft (three contacts per float), in
-    bytes.
+    """The memory (bytes) of the mobility matrix, and of the responses to each contact of a raft, with three contacts
+    per float.
     """
     count, size = len(part.radius), 2 * len(part.radius) + len(part.spin)
     contacts = 3 * count * (2 if len(part.spin) else 1)
@@ -150,7 +150,7 @@ def fill_mobility(part: CoupledKicks, position: Array, mobility: Array) -> None:
         for j in range(i):
             x, y = position[j, 0] - position[i, 0], position[j, 1] - position[i, 1]
             distance = math.sqrt(x * x + y * y)
-            # At one place the mobilities are the same in all directions.
+            # At zero distance the mobility is isotropic.
             x, y = (x / distance, y / distance) if distance > 0.0 else (1.0, 0.0)
             across, along = rotne_prager(distance, radius[i], radius[j])
             mixed = unit * (along - across) * x * y
@@ -178,14 +178,14 @@ def fill_own_block(part: CoupledKicks, unit: float, i: int, mobility: Array) -> 
 @compiled
 def fill_spins(part: CoupledKicks, pair: tuple[int, int], way: tuple[float, float, float], mobility: Array) -> None:
     """Compute the spins of two floats by forces and torques on each other, and their velocities by torques; `way` is
-    the distance and the direction from the first to the second.
+    the distance and the unit vector from the first to the second.
     """
     (i, j), (distance, x, y), radius, count = pair, way, part.radius, len(part.radius)
     unit = 1.0 / (3.0 * math.pi * part.viscosity)
     turned = unit * spin_by_torque(distance, radius[i], radius[j])
     mobility[2 * count + i, 2 * count + j], mobility[2 * count + j, 2 * count + i] = turned, turned
     for one, other, sign in ((i, j, -1.0), (j, i, 1.0)):
-        # The spin F x d / (8 pi eta d^3), where d points from the force to the float that turns.
+        # The spin F x d / (8 pi eta d^3); d points from the float with the force to the float that rotates.
         strength = sign * unit * spin_by_force(distance, radius[one], radius[other])
         spin = 2 * count + one
         mobility[spin, 2 * other], mobility[2 * other, spin] = strength * y, strength * y
@@ -204,8 +204,8 @@ def multiply(matrix: Array, vector: Array, product: Array) -> None:
 
 @compiled
 def add_divergence(part: CoupledKicks, position: Array, motion: Array) -> None:
-    """Add the drift kT div M: without it floats with thermal noise would gather where they move slowly. The divergence
-    is known in closed form; it has no part along the spins.
+    """Add the drift kT div M, without which floats with thermal noise would accumulate where their mobility is low. The
+    divergence is known in closed form; it has no component along the spins.
     """
     radius, unit = part.radius, part.thermal / (3.0 * math.pi * part.viscosity)
     for i in range(len(radius)):
@@ -244,7 +244,7 @@ def fastest_coupled(
 
 @compiled
 def store_driven(scratch: CoupledScratch, workspace: Workspace) -> None:
-    """Store the velocities by forces and the current, without noise and the drift kT div M that belongs to it."""
+    """Store the velocities by forces and the current, without noise and without the drift kT div M."""
     for i in range(len(scratch.current)):
         for axis in range(2):
             workspace.stages[DRIVEN, i, axis] = scratch.motion[2 * i + axis] + scratch.current[i, axis]
@@ -265,8 +265,8 @@ def fastest_motion(scratch: CoupledScratch) -> float:
 
 @compiled
 def fill_current(scratch: CoupledScratch, parameters: Parameters, state: State) -> None:
-    """Compute the velocity of the liquid at each float: the flow of the scene, and in a moving dish that of the liquid
-    that stays behind.
+    """Compute the velocity of the liquid at each float: the flow of the scene, and in a moving dish the velocity of the
+    liquid relative to the dish.
     """
     drift, current = parameters.drift, scratch.current
     now = state.step[0] * parameters.time_step
@@ -337,8 +337,8 @@ def add_coupled_work(
     part: CoupledKicks, scratch: CoupledScratch, parameters: Parameters, state: State, workspace: Workspace
 ) -> None:
     """Add the work of the current on the floats in one step, -F u with all forces F on them including contacts: the
-    liquid exerts -F, and u is its velocity far from them. The rest of its work is dissipated. With thermal noise, the
-    heat contains it.
+    liquid exerts -F, and u is its velocity far from the floats. The remaining work of the liquid is dissipated. With
+    thermal noise, the heat already contains this work.
     """
     if parameters.drift.thermal > 0.0 or len(state.tally) <= WORK:
         return
@@ -464,7 +464,7 @@ def begin_contacts(parameters: Parameters, state: State, workspace: Workspace) -
 
 @compiled
 def dense_rows_of(part: CoupledImpulses, contacts: Contacts, parameters: Parameters, size: int) -> DenseRows:
-    """Return the rows of all contacts; their unknowns are mean forces, impulses over the time step."""
+    """Return the rows of all contacts; their unknowns are mean forces, which are impulses over the time step."""
     total, count, radius = contacts.total[0], len(parameters.floats.radius), parameters.floats.radius
     turning = len(part.inertia) > 0
     rows = make_dense_rows(2 * total if turning else total, total, size)
@@ -499,7 +499,7 @@ def set_direction(rows: DenseRows, row: int, pair: tuple[int, int], way: tuple[f
 def recall_friction(
     rows: DenseRows, contacts: Contacts, memory: Memory, tangential_impulse: Array, time: float
 ) -> None:
-    """Start from the tangential impulses of the previous step, as mean forces."""
+    """Start from the tangential impulses of the previous step, converted to mean forces."""
     total = contacts.total[0]
     touching.recall(touching.contact_keys(contacts), rows.impulse[total:], memory, tangential_impulse)
     for row in range(total):
@@ -540,7 +540,7 @@ def coupled_films_of(parameters: Parameters, scene: FloatingScene) -> Built:
 
 @compiled
 def approach_factor(distance: float, radius: float) -> float:
-    """The resistance of two equal approaching spheres that the mobility gives, over that of single spheres."""
+    """The resistance of two equal approaching spheres according to the mobility, over that of single spheres."""
     return 1.0 / (1.0 - radius * rotne_prager(distance, radius, radius)[1])
 
 
@@ -558,7 +558,7 @@ def apply_coupled_films(
 
 @compiled
 def subtract_far_field(part: CoupledFilms, parameters: Parameters, position: Array, pairs: Pairs) -> None:
-    """Subtract the resistance that the mobility contains already; films with less friction than that vanish."""
+    """Subtract the resistance that the mobility contains already; films with less friction than this are removed."""
     for row in range(len(pairs.friction)):
         i, j = pairs.first[row], pairs.second[row]
         x, y = position[j, 0] - position[i, 0], position[j, 1] - position[i, 1]
@@ -572,7 +572,9 @@ def subtract_far_field(part: CoupledFilms, parameters: Parameters, position: Arr
 
 @compiled
 def solve_with_films(pairs: Pairs, scratch: CoupledScratch) -> int:
-    """Change the motion by films, and add their forces to those on the floats; return the number of iterations."""
+    """Change the motion by films, and add the forces of the films to those on the floats; return the number of
+    iterations.
+    """
     total, size = len(pairs.friction), len(scratch.motion)
     strength, weight, found = np.empty(total), np.empty(total), np.zeros(total)
     residual, direction, image = np.empty(total), np.empty(total), np.empty(total)

@@ -62,7 +62,9 @@ def make_activity_scratch(
 
 
 def with_activity(part: Activity, state: State) -> State:
-    """Return the state with stationary random forces, over their root mean square, and random headings."""
+    """Return the state with random forces drawn from their stationary distribution, in units of their root mean square,
+    and with random headings.
+    """
     rng = np.random.default_rng([part.seed, START])
     count = len(state.position)
     heading = rng.uniform(0.0, 2.0 * math.pi, count)
@@ -97,7 +99,9 @@ def activity_forces(
 
 @compiled
 def renew_activity(part: Activity, scratch: ActivityScratch, parameters: Parameters, state: State, first: bool) -> None:
-    """Advance random forces and headings by one time step, before it; the forces at its end are the new ones."""
+    """Advance random forces and headings by one time step, before the floats move; the new forces are those at the end
+    of the step.
+    """
     if not first:
         return
     time, step = parameters.time_step, int(state.step[0])
@@ -116,7 +120,7 @@ def renew_activity(part: Activity, scratch: ActivityScratch, parameters: Paramet
 def add_work_of_activity(
     part: Activity, scratch: ActivityScratch, parameters: Parameters, state: State, workspace: Workspace
 ) -> None:
-    """Add the work of the active forces in a step, by the mean of those at its beginning and end (J)."""
+    """Add the work (J) of the active forces in a step, by the mean of the forces at its beginning and end."""
     midstep_velocity, power = workspace.midstep_velocity, 0.0
     for i in range(len(part.force)):
         x, y = active_force(part, scratch, i)
@@ -150,6 +154,6 @@ def activity_of(parameters: Parameters, scene: FloatingScene) -> Built:
     rates = [1.0 / part.persistence if given.force else 0.0, float(part.diffusion.max())]
     rates.append(float(np.abs(part.turning).max()))
     speed = float(np.max((DEVIATIONS * part.force + part.propulsion) * floats.relaxation_time / floats.mass))
-    # A step moves a float by a tenth of the skin at most.
+    # A step moves a float by at most a tenth of the skin.
     rates.append(0.5 * parameters.raft_mobility * speed / parameters.skin)
     return Built(part, shortest_time=min(1.0 / rate if rate > 0.0 else math.inf for rate in rates))

@@ -1,14 +1,14 @@
-"""A barrier: a side of a rectangular dish that moves, or two that face each other, and the forces on all four sides.
+"""A barrier: one or two sides of a rectangular dish that move, and the forces on all four sides.
 
 In a step the barrier moves at a constant velocity, which is that of its row in the contact solve: contacts stop floats
 relative to it. Its position is a function of the time, and a part of the state, as are the impulses of contacts with
 walls since the last frame. Its work on floats is the impulse of contacts times its velocity, and the change of the
 energy of its meniscus while it moves: half before the drift of the floats, half after it.
 
-A barrier that presses on a raft of hard floats has no bounded force. It stops for good where the surface pressure
-exceeds a limit, in the mean over a tenth of a radius of its way: a single collision exceeds any limit in a short step.
-It also stops where the contacts of a step have no solution: it stays where it was before that step, and so do all
-floats that touch, which the step would squeeze.
+A barrier that presses on a raft of hard floats has no bounded force. It stops permanently where the surface pressure,
+averaged over a tenth of a radius of its path, exceeds a limit; a single collision would exceed any limit in a short
+step. It also stops if the contacts of a step have no solution: the barrier and all floats in contact, which the step
+would compress, keep the positions that they had before this step.
 """
 
 from __future__ import annotations
@@ -101,7 +101,7 @@ def place_at(part: Barrier, time: float) -> float:
 
 @compiled
 def put_walls(part: Barrier, offset: Array, place: float) -> None:
-    """Put the moving walls at a distance from their sides (m)."""
+    """Move the walls to a distance from their sides (m)."""
     for number in part.walls:
         offset[number] = part.sides[number] + place
 
@@ -131,8 +131,8 @@ def add_pull_of_menisci(tally: Array, parameters: Parameters, position: Array) -
 
 @compiled
 def set_barrier_velocity(part: Barrier, scratch: BarrierScratch, parameters: Parameters, speed: float) -> None:
-    """Write the velocity of the barrier into the rows of walls. As that of a float, only what remains after drag
-    rebounds: a float that moves with the barrier does not collide with it in each step.
+    """Write the velocity of the barrier into the rows of walls, reduced by drag as that of a float: a float that moves
+    with the barrier then does not collide with it in each step.
     """
     scratch.step[2], count = speed, len(parameters.floats.radius)
     for number in part.walls:
@@ -165,7 +165,7 @@ def move_barrier(part: Barrier, scratch: BarrierScratch, parameters: Parameters,
 def carry_barrier(
     part: Barrier, scratch: BarrierScratch, parameters: Parameters, state: State, workspace: Workspace
 ) -> None:
-    """Move the barrier, after the contacts before the drift; or stop it if these have no solution."""
+    """Move the barrier after the contacts before the drift, or stop it if these contacts have no solution."""
     tally, pushed = state.tally, 0.0
     for number in part.walls:
         pushed += tally[PUSHES + number]
@@ -196,7 +196,7 @@ def fastest_approach(workspace: Workspace) -> float:
 
 @compiled
 def stop_raft(state: State, workspace: Workspace) -> None:
-    """Stop all floats that touch in a step in which they had no room: they stay where they were."""
+    """Stop all floats that touch, in a step in which contacts have no solution: they keep their positions."""
     contacts, count = workspace.contacts, len(state.position)
     for row in range(contacts.total[0]):
         if contacts.impulse[row] > 0.0:
@@ -211,7 +211,7 @@ def stop_raft(state: State, workspace: Workspace) -> None:
 def add_work_of_menisci(
     part: Barrier, scratch: BarrierScratch, parameters: Parameters, state: State, way: tuple[float, float]
 ) -> None:
-    """Add the change of the energy of the barrier's meniscus on a part of its way, with the floats at rest."""
+    """Add the change of the energy of the barrier's meniscus on a part of its path, with the floats at rest."""
     if not acts(parameters) or way[0] == way[1]:
         return
     put_walls(part, scratch.offset, way[0])
@@ -224,7 +224,7 @@ def add_work_of_menisci(
 
 @compiled
 def finish_barrier(part: Barrier, scratch: BarrierScratch, parameters: Parameters, state: State) -> None:
-    """Add the work and the impulses of a step."""
+    """Add the work and the impulses of a step to the totals."""
     tally, there = state.tally, scratch.step[1]
     add_work_of_menisci(part, scratch, parameters, state, (0.5 * (scratch.step[0] + there), there))
     if acts(parameters):
@@ -247,12 +247,12 @@ def finish_barrier(part: Barrier, scratch: BarrierScratch, parameters: Parameter
 def no_barrier_energy(
     part: Barrier, scratch: Any, parameters: Parameters, state: State, workspace: Workspace
 ) -> tuple[float, float]:
-    """Return zero: the menisci of walls belong to the pair law, wherever the walls are."""
+    """Return zero: the energy of wall menisci belongs to the pair law, also where walls move."""
     return 0.0, 0.0
 
 
 def with_barrier(part: Barrier, state: State) -> State:
-    """Return the state with the barrier at its place at the start."""
+    """Return the state with the barrier at its initial position."""
     tally = np.zeros(LENGTH)
     tally[: WORK + 1] = state.tally[: WORK + 1]
     tally[PLACE] = place_at(part, 0.0)
@@ -260,7 +260,7 @@ def with_barrier(part: Barrier, state: State) -> State:
 
 
 def make_barrier_scratch(part: Barrier, parameters: Parameters, state: State, workspace: Workspace) -> BarrierScratch:
-    """Return the workspace, with the walls where the state has them."""
+    """Return the workspace, with the walls at their positions in the state."""
     offset, place = part.sides.copy(), float(state.tally[PLACE])
     put_walls(part, offset, place)
     decay = float(parameters.kick.decay.min())
@@ -270,12 +270,12 @@ def make_barrier_scratch(part: Barrier, parameters: Parameters, state: State, wo
 
 
 def moved_walls(scratch: BarrierScratch, walls: Walls) -> Walls:
-    """The walls where steps have moved them; steps to come move these."""
+    """The walls at the positions to which steps have moved them; later steps change these arrays."""
     return walls._replace(offset=scratch.offset)
 
 
 def with_walls_of(parameters: Parameters, state: State) -> Parameters:
-    """The parameters with the walls where they are in this state."""
+    """The parameters with the walls at their positions in this state."""
     part = part_of(parameters, Barrier)
     if part is None:
         return parameters
@@ -303,7 +303,9 @@ def barrier_numbers(part: Barrier, state: State) -> dict[str, tuple[float, str]]
 
 
 def motion_of(barrier: BarrierSpec) -> tuple[Array, Array, Array]:
-    """The times (s) at which the velocity changes, the places then (m), and the velocities from then on (m/s)."""
+    """The times (s) at which the velocity changes, the positions at these times (m), and the velocities after them
+    (m/s).
+    """
     if barrier.velocity is None:
         times, places = np.array(barrier.times), np.array(barrier.positions)
         return times, places, np.append(np.diff(places) / np.diff(times), 0.0)
@@ -330,7 +332,9 @@ def _moving(barrier: BarrierSpec) -> list[int]:
 
 
 def walls_at_start(walls: Walls, dish: DishSpec | None) -> Walls:
-    """The walls at the start of a scene, from those of its dish: the widest, for which ranges of forces are chosen."""
+    """The walls at the start of a scene, from those of its dish: the largest region, from which the ranges of forces
+    are chosen.
+    """
     if dish is None or dish.barrier is None:
         return walls
     offset = walls.offset.copy()
@@ -365,7 +369,7 @@ def farthest_place(part: Barrier, duration: float) -> float:
 
 
 def _key_of_place(barrier: BarrierSpec, place: float) -> str:
-    """The key that says where the barrier gets so far."""
+    """The key that determines how far the barrier moves."""
     if barrier.velocity is None:
         return "positions"
     return "start" if place <= barrier.start else "stop"

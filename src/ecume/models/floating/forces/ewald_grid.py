@@ -1,10 +1,11 @@
 """Pair forces of large systems whose menisci reach over thousands of floats: neighbor lists and an Ewald grid.
 
-K0 is split in two parts (`laws.ewald`). The short-range part is summed over neighbor lists. For the other one,
-charges are assigned to a grid by splines, transformed, multiplied by the waves of the smooth part, and the field is
+K0 is split in two parts (`laws.ewald`). The short-range part is summed over neighbor lists. For the other one, charges
+are assigned to a grid by splines, transformed, multiplied by the waves of the smooth part, and the field is
 interpolated with the same splines: therefore the forces between two floats cancel to rounding, and no float exerts a
-force on itself. The grid covers the reference positions of the neighbor lists, which are part of the state. Python
-runs the time steps around compiled parts, since the transforms are SciPy's; this costs little for a large system.
+force on itself. The grid covers the reference positions of the neighbor lists, which are part of the state. Python runs
+the time steps and calls compiled parts, because the Fourier transforms are SciPy functions; this costs little for a
+large system.
 
 The first part of this file chooses the split: as the scene specifies, or by an estimate of the work. The second part
 computes forces and energies.
@@ -96,7 +97,7 @@ class Split(NamedTuple):
 
 @lru_cache(maxsize=32)
 def _coarsest(order: int, error: float) -> float:
-    """The largest spacing, over sqrt(eta), with an error below this one."""
+    """The largest spacing, over sqrt(eta), with an error below `error`."""
     low, high = 0.02, 3.0
     for _ in range(12):
         middle = math.sqrt(low * high)
@@ -173,7 +174,7 @@ def best_split(statistics: FloatStatistics, accuracy: float) -> tuple[Choice, Sp
 
 
 def _splits(statistics: FloatStatistics, accuracy: float) -> list[Choice]:
-    """All candidates."""
+    """All candidates for the split."""
     error = SHARE * accuracy * ewald.random_charge_force(statistics.touching)
     farthest = _farthest(error)
     choices = []
@@ -262,7 +263,7 @@ TABLE = 16384
 
 
 class Grid(NamedTuple):
-    """A grid around all floats."""
+    """A grid that covers all floats."""
 
     low: Array
     """(2,) m: its first point"""
@@ -304,8 +305,8 @@ class Waves(NamedTuple):
 
 @lru_cache(maxsize=2)
 def waves_of(shape: tuple[int, int], spacing: float, eta: float, order: int, reach: float) -> Waves:
-    """The smooth part on a grid of this spacing (capillary lengths), divided by the transform of the splines, squared.
-    See `laws.ewald.spline_correction`.
+    """The Fourier transform of the smooth part on a grid of this spacing (capillary lengths), divided by the square of
+    the transform of the splines. See `laws.ewald.spline_correction`.
     """
     from scipy import fft
 
@@ -336,7 +337,9 @@ def transformed(split: Split, position: Array, charge: Array, grid: Grid, length
 
 
 def add_smooth_forces(parameters: Parameters, split: Split, position: Array, grid: Grid, force: Array) -> None:
-    """Add the forces of the smooth part: S A grad(sum of A T), S = 2 pi gamma; toward higher potential."""
+    """Add the forces of the smooth part, S A grad(sum of A T) with S = 2 pi gamma; they point toward higher
+    potential.
+    """
     from scipy import fft
 
     charge, length = parameters.floats.charge, float(parameters.pair[CAPILLARY_LENGTH])
@@ -371,7 +374,7 @@ def split_energy(
 @lru_cache(maxsize=8)
 def _short_table(span: tuple[float, float], inverse_square: float, eta: float) -> tuple[Array, Array]:
     """The ends and the values of the table of the short-range energy between two distances (m), over the logarithm of
-    the squared distance (m^2). Each frame of a run requires the same.
+    the squared distance (m^2). It is the same for all frames of a run.
     """
     ends = log(np.array([span[0] ** 2, span[1] ** 2]))
     x = np.sqrt(exp(np.linspace(float(ends[0]), float(ends[1]), TABLE)) * inverse_square)
@@ -414,12 +417,12 @@ def make_reference(part: Split, parameters: Parameters, state: State, workspace:
 
 
 def place_grid(part: Split, scratch: Reference, parameters: Parameters, lists: NeighborLists) -> None:
-    """Place the grid around the reference positions; after each new neighbor list."""
+    """Place the grid around the reference positions, after each rebuild of the neighbor lists."""
     scratch.grid[:] = [grid_around(part, scratch.position, float(parameters.pair[CAPILLARY_LENGTH]))]
 
 
 def smooth_forces(
     part: Split, scratch: Reference, parameters: Parameters, position: Array, lists: NeighborLists, force: Array
 ) -> None:
-    """Add the forces of the smooth part. In Python, since the transforms are SciPy's."""
+    """Add the forces of the smooth part. This runs in Python, because the Fourier transforms are SciPy functions."""
     add_smooth_forces(parameters, part, position, scratch.grid[0], force)

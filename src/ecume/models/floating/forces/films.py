@@ -85,7 +85,7 @@ def film_excess(films: Films, gap: float) -> float:
 
 @compiled
 def reduced_float(parameters: Parameters, i: int, j: int) -> tuple[float, float]:
-    """The radius (m) and the friction (N s/m) of the two equal floats that a pair counts as: twice the reduced radius,
+    """The radius (m) and the friction (N s/m) of the two equal floats that represent a pair: twice the reduced radius,
     and the mean friction per radius.
     """
     floats = parameters.floats
@@ -97,7 +97,9 @@ def reduced_float(parameters: Parameters, i: int, j: int) -> tuple[float, float]
 
 @compiled
 def find_films(films: Films, parameters: Parameters, position: Array, lists: NeighborLists) -> Pairs:
-    """All pairs with a film, ordered by the slot of i. Unequal floats count as two of twice the reduced radius."""
+    """All pairs with a film, ordered by the slot of i. Unequal floats are represented by two equal ones of twice the
+    reduced radius.
+    """
     order, first, neighbor, floats = lists.cells.order, lists.rows.first, lists.rows.neighbor, parameters.floats
     periods = lists.rows.periods
     found, pairs = 0, Pairs(np.empty(0, np.int64), np.empty(0, np.int64), np.empty((0, 2)), np.empty(0))
@@ -167,7 +169,8 @@ def solve_velocities(pairs: Pairs, gain: Array, velocity: Array) -> int:
             direction[i, 0] = gain[i] * residual[i, 0] + square / last * direction[i, 0]
             direction[i, 1] = gain[i] * residual[i, 1] + square / last * direction[i, 1]
         iterations += 1
-    # From the forces of the films, so that momentum is conserved to rounding for any number of iterations.
+    # The velocities follow from the forces of the films, so that momentum is conserved to rounding for any number of
+    # iterations.
     film_forces(pairs, slowed, force)
     for i in range(count):
         velocity[i, 0] = given[i, 0] + gain[i] * force[i, 0]

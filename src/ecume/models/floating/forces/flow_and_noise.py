@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 
 
 def _driven(scene: FloatingScene) -> bool:
-    """Whether work is done without an energy: by active forces, waves, a magnetic field, a surfactant or a barrier."""
+    """Whether forces without a potential act: active forces, waves, a magnetic field, a surfactant or a barrier."""
     barrier = scene.dish.barrier if scene.dish is not None else None
     driven = scene.activity, scene.waves, scene.magnetic_field, scene.surfactant, barrier
     return any(each is not None for each in driven)
@@ -52,7 +52,7 @@ def drift_of(scene: FloatingScene) -> Drift:
     drift = Drift(rates, nodes, frame, flows, thermal, scene.seed, slowing, 0.0, sway_of(scene), _driven(scene))
     if flow is None or flow.field is None:
         return drift
-    # Not empty, since compiled code first tests whether there are nodes.
+    # One zero node instead of none, since compiled code first tests whether there are nodes.
     varying = VaryingDrift(*drift._replace(nodes=np.zeros((2, 2, 2)), flows=True), _table_of(flow.field))
     return cast(Drift, varying)
 
@@ -77,7 +77,7 @@ def _nodes_of(nodes: NodesSpec) -> tuple[Array, Array]:
 
 
 def _table_of(field: FieldSpec) -> Any:
-    """The velocities of a file, as tracers have them: y here is their height. Raises SceneError."""
+    """The velocities of a file, in the form that tracers use; y here corresponds to their height. Raises SceneError."""
     try:
         return fitted(grid_of(field, 2), field.interpolation).shape
     except BadInput as error:
@@ -93,14 +93,14 @@ def fastest_at_nodes(drift: Drift) -> float:
 
 
 def shortest_change(drift: Drift) -> float:
-    """The shortest time between two instants of a file (s)."""
+    """The shortest interval between two instants of a file (s)."""
     table = getattr(drift, "table", None)
     return math.inf if table is None else float(np.diff(table.times).min(initial=math.inf))
 
 
 @compiled_inside
 def straight_current(flow: Array, x: float, y: float) -> tuple[float, float]:
-    """The velocity of a flow that is uniform, or linear in the position (m/s)."""
+    """The velocity (m/s) of a flow that is uniform or linear in the position."""
     return flow[0] + flow[2] * x + flow[3] * y, flow[1] + flow[4] * x + flow[5] * y
 
 
@@ -109,7 +109,7 @@ gridded_velocity = by_type(GRIDDED_VELOCITIES.__getitem__, 0)
 
 @compiled
 def steady_current(drift: Drift, time: float, x: float, y: float) -> tuple[float, float]:
-    """The velocity of a surface with a flow that is steady (m/s)."""
+    """The velocity (m/s) of a surface with a steady flow."""
     along, across = straight_current(drift.flow, x, y)
     if drift.nodes.shape[1] > 0:
         more_along, more_across = between_nodes(drift, x, y)
@@ -119,7 +119,7 @@ def steady_current(drift: Drift, time: float, x: float, y: float) -> tuple[float
 
 @compiled
 def varying_current(drift: VaryingDrift, time: float, x: float, y: float) -> tuple[float, float]:
-    """The velocity of a surface with a flow from a file (m/s)."""
+    """The velocity (m/s) of a surface with a flow from a file."""
     along, across = straight_current(drift.flow, x, y)
     more_along, _, more_across = gridded_velocity(drift.table, x, 0.0, y, time)
     return along + more_along, across + more_across
@@ -155,7 +155,7 @@ def time_now(scratches: ClockedScratch) -> float:
 
 
 class Timing(NamedTuple):
-    """The functions of drift and workspaces with and without a clock, by their type."""
+    """The functions of drift and workspaces, with and without a clock, selected by type."""
 
     current: Any = None
     """current(drift, time, x, y): the velocity of the surface (m/s)"""

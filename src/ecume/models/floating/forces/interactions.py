@@ -376,7 +376,9 @@ apply_resistances = each_selected(RESISTANCES_BY_CONSTANTS, "slow")
 def evaluate(
     parts: Parts, scratches: Scratch, parameters: Parameters, position: Array, lists: NeighborLists, force: Array
 ) -> None:
-    """The forces on all floats at these positions and the time of the clock; the neighbor lists must hold there."""
+    """Sum the forces on all floats at these positions and at the time of the clock; the neighbor lists must be valid
+    there.
+    """
     clear(force)
     sort_positions(lists, position)
     add_forces(parts.interactions, scratches.interactions, parameters, position, lists, force)

@@ -1,9 +1,8 @@
-"""Magnetic floats: repelling vertical dipoles, and moments in a uniform, possibly oscillating
-field.
+"""Magnetic floats: repelling vertical dipoles, and moments in a uniform field that may oscillate.
 
-Floats in a uniform magnetic field that may oscillate: induced moments along the field, and permanent vertical ones.
-The force on j by i at the distance l in the direction n is F = (3 mu_0/(4 pi l^4)) [(m_i.m_j - 5 (m_i.n)(m_j.n)) n +
-(m_i.n) m_j + (m_j.n) m_i] [jackson1999, par. 5.7]. The surface carries its vertical part. At given positions the
+Floats in a uniform magnetic field that may oscillate: induced moments along the field, and permanent vertical ones. The
+force on j by i at the distance l in the direction n is F = (3 mu_0/(4 pi l^4)) [(m_i.m_j - 5 (m_i.n)(m_j.n)) n +
+(m_i.n) m_j + (m_j.n) m_i] [jackson1999, par. 5.7]. The surface supports the vertical component. At given positions the
 energy is a polynomial of second degree in the field; its coefficients are summed with the forces, and its change with
 the field is the injected work.
 """
@@ -78,7 +77,7 @@ def make_sorted_moments(
 
 @compiled
 def sort_moments(part: DipoleMoments, scratch: SortedMoments, parameters: Parameters, lists: NeighborLists) -> None:
-    """Copy moments into the order of the slots; after each new neighbor list."""
+    """Copy moments into the order of the slots, after each rebuild of the neighbor lists."""
     order = lists.cells.order
     for slot in range(len(order)):
         scratch.moment[slot] = part.moment[order[slot]]
@@ -130,7 +129,9 @@ def sum_of_dipole_energies(
 
 
 def dipoles_of(parameters: Parameters, scene: FloatingScene) -> Built:
-    """Return the dipoles of a scene. Two touching floats are a spring of 4 F/l; a float has at most six neighbors."""
+    """Return the dipoles of a scene. Two touching floats act as a spring of stiffness 4 F/l; a float has at most six
+    neighbors.
+    """
     moment = moments_of(scene)
     radius, walls = parameters.floats.radius, parameters.walls
     touching = 2.0 * float(radius.min())
@@ -173,7 +174,7 @@ class MagneticField(NamedTuple):
 
 
 class MagneticScratch(NamedTuple):
-    """The field now and one step earlier, and the energy as a polynomial of the field."""
+    """The field at present and one step earlier, and the energy as a polynomial of the field."""
 
     field: Array
     """(2, 3) T: now, and at the beginning of the step"""
@@ -253,7 +254,7 @@ def magnetic_forces(
 def add_energy(
     energy: Array, scale: float, n: tuple[float, float], one: tuple[float, float], other: tuple[float, float]
 ) -> None:
-    """Add the coefficients of a pair: of its energy (m_i.m_j - 3 (m_i.n)(m_j.n)) times `scale`."""
+    """Add the coefficients of a pair, those of its energy (m_i.m_j - 3 (m_i.n)(m_j.n)) times `scale`."""
     a, p = one
     b, q = other
     induced = scale * a * b
@@ -269,8 +270,8 @@ def add_energy(
 def renew_field(
     part: MagneticField, scratch: MagneticScratch, parameters: Parameters, state: State, first: bool
 ) -> None:
-    """Before a step, advance the field, and add half of the work of its change at the positions there; after the step,
-    add the other half.
+    """Before a step, advance the field, and add half of the work of its change at the initial positions; after the
+    step, add the other half.
     """
     if first:
         set_field(part, scratch, (state.step[0] + 1) * parameters.time_step)
@@ -291,7 +292,7 @@ def magnetic_energy(
 
 
 def magnetic_field_of(parameters: Parameters, scene: FloatingScene) -> Built:
-    """Return the magnetic field of a scene. Two touching floats are a spring of 4 F/l, as for dipoles."""
+    """Return the magnetic field of a scene. Two touching floats act as a spring of stiffness 4 F/l, as for dipoles."""
     given, floats = scene.magnetic_field, parameters.floats
     assert given is not None  # noqa: S101  # for the type checker: the scene has chosen it
     names = [name for name, *_ in scene.kinds]
@@ -318,7 +319,7 @@ def magnetic_field_of(parameters: Parameters, scene: FloatingScene) -> Built:
 
 
 def shortest_time_at_contact(parameters: Parameters, moment: Array) -> float:
-    """The shortest time scale of two touching floats with these moments (s), each kind with each."""
+    """The shortest time scale (s) of two touching floats with these moments, over all pairs of kinds."""
     floats, shortest_time = parameters.floats, math.inf
     friction = floats.mass / floats.relaxation_time
     kinds = np.unique(np.stack([floats.radius, moment, floats.mass, friction]), axis=1).T.tolist()

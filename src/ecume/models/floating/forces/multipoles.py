@@ -258,7 +258,7 @@ def multipole_forces(
 def multipole_energy(
     part: Multipoles, scratch: MultipoleScratch, parameters: Parameters, state: State, workspace: Workspace
 ) -> tuple[float, float]:
-    """The energy of all floats and walls (J), less the energy of each float alone."""
+    """The energy of all floats and walls (J), minus the energy of each isolated float."""
     fresh = make_multipole_scratch(part, parameters, state._replace(amplitudes=state.amplitudes.copy()), workspace)
     resolve(part, state.position, fresh)
     orders = fresh.amplitudes.shape[1]
@@ -271,8 +271,8 @@ def multipole_energy(
 def kick_multipole_spins(
     part: Multipoles, scratch: MultipoleScratch, parameters: Parameters, state: State, first: bool
 ) -> None:
-    """Apply half a kick to the spins of floats that their menisci turn; advance the angles after the first half, unless
-    contacts advance them.
+    """Apply half a kick to the spins of floats that menisci turn; after the first half, advance the angles unless
+    contacts do so.
     """
     time = parameters.time_step
     if len(part.inertia) == 0:
@@ -285,7 +285,7 @@ def kick_multipole_spins(
 
 @compiled
 def kick_spins_with_drag(multipoles: Multipoles, torque: Array, turning: Array, time: float) -> None:
-    """Change the spins by drag and a torque that is constant during that time, solved exactly."""
+    """Change the spins by drag and a torque that is constant during `time`, solved exactly."""
     for i in range(len(torque)):
         rate = multipoles.friction[i] / multipoles.inertia[i] * time
         held = -math.expm1(-rate) / rate if rate > 0.0 else 1.0
@@ -427,10 +427,10 @@ def multipoles_of(parameters: Parameters, scene: FloatingScene) -> Built:
 
 
 def _turning(parameters: Parameters, scene: FloatingScene, every: Sequence[Any]) -> tuple[Any, Any, float]:
-    """Constants of floats that turn: inertia m a^2/2, rotational friction, and the shortest time scale (s).
+    """The moments of inertia m a^2/2, the rotational friction, and the shortest time scale (s) of floats that turn.
 
-    For a rim of height H, a touching neighbor acts as a spring of 12 pi gamma (m H/2)^2 against rotation, and of that
-    over a^2 against displacement. This is four times the law of quadrupoles at l = 2 a: of a disc with its six
+    For a rim of height H, a touching neighbor acts as a spring of stiffness 12 pi gamma (m H/2)^2 against rotation, and
+    of this over a^2 against displacement. This is four times the law of quadrupoles at l = 2 a: of a disc with its six
     neighbors the stiffest rotation is exactly 1.8 (m = 2), 11.5 (m = 3) and 4.7 (m = 4) times that law.
     """
     liquid = liquid_of(scene)
@@ -486,7 +486,7 @@ def multipoles_in(parameters: Parameters) -> Multipoles:
 
 
 def solved(parameters: Parameters, frame: Frame) -> MultipoleScratch:
-    """The multipoles of the floats in a frame, solved again: frames do not contain them."""
+    """The multipoles of the floats in a frame, solved again because frames do not contain them."""
     multipoles = multipoles_in(parameters)
     count, orders = multipoles.rims.response.shape
     angle = frame.arrays.get("angle", np.zeros(count))
@@ -519,8 +519,8 @@ def bends(multipoles: Multipoles, scratch: MultipoleScratch) -> Array:
 
 @compiled
 def add_waves(rims: Rims, mirrors: Array, at: Array, amplitudes: Waves, places: Array, heights: Array) -> None:
-    """Add the sum over bodies and images of A_m K_m(r)/K_m(a) exp(i m phi), m and -m, all in capillary lengths; inside
-    a contact line as at it.
+    """Add the sum over bodies and images of A_m K_m(r)/K_m(a) exp(i m phi), for m and -m, in capillary lengths; inside
+    a contact line the value at the contact line applies.
     """
     orders = amplitudes.shape[1]
     ladder, turned = np.zeros(orders), np.zeros(orders, np.complex128)

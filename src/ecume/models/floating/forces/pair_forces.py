@@ -89,7 +89,9 @@ def law_of(parameters: Parameters) -> Any:
 
 
 def law_in_precision(parameters: Parameters, law: Any) -> Any:
-    """These constants in the precision of the sum over pairs. Their type selects the compiled code of the law."""
+    """The constants of a law in the precision of the sum over pairs. Their type selects the compiled code of the
+    law.
+    """
     return type(law)(*map(np.float32, law)) if parameters.single else law
 
 
@@ -99,7 +101,7 @@ def summed_law(parameters: Parameters) -> Any:
 
 
 def two_floats(parameters: Parameters, radius: tuple[float, float], charge: tuple[float, float]) -> PairParameters:
-    """Two floats in the liquid of the scene, as arguments of pair laws."""
+    """The arguments of pair laws for two floats in the liquid of the scene."""
     length, tension = float(parameters.pair[CAPILLARY_LENGTH]), float(parameters.pair[SURFACE_TENSION])
     return PairParameters(*radius, *charge, length, tension)
 
@@ -110,7 +112,7 @@ def row_of_law(law: Any) -> PairLaw:
 
 
 def in_double(law: Any, parameters: Parameters) -> Any:
-    """The constants of the scene's law in double precision, as they were derived."""
+    """The constants of the scene's law in double precision, as first computed."""
     return type(law)(*law_of(parameters)) if parameters.single else law
 
 
@@ -139,8 +141,8 @@ def _without_meaning(scene: FloatingScene, why: str) -> str:
 
 
 def require_finite_forces(parameters: Parameters, scene: FloatingScene) -> None:
-    """Raise SceneError where the pair law gives no number for the smallest and the largest floats, at contact or at the
-    cutoff.
+    """Raise SceneError if the pair law returns NaN or infinity for the smallest and the largest floats, at contact or
+    at the cutoff.
     """
     row, law, radius = row_of(parameters), law_of(parameters), parameters.floats.radius
     for i in {int(np.argmin(radius)), int(np.argmax(radius))}:
@@ -157,7 +159,7 @@ def require_finite_forces(parameters: Parameters, scene: FloatingScene) -> None:
 
 
 def force_left(parameters: Parameters) -> float:
-    """The force of the pair law at the cutoff, over that of two touching floats; the largest of all sizes."""
+    """The force of the pair law at the cutoff, over that of two touching floats; the largest ratio of all sizes."""
     row, law, floats = row_of(parameters), law_of(parameters), parameters.floats
     kinds = distinct_rows(floats.radius, floats.charge).tolist()
     pairs = [(2.0 * radius, two_floats(parameters, (radius, radius), (charge, charge))) for radius, charge in kinds]
@@ -166,11 +168,13 @@ def force_left(parameters: Parameters) -> float:
 
 
 class CutoffWarning(UserWarning):
-    """The pair law is cut off where its force is not small."""
+    """The cutoff of the pair law is at a distance where its force is not small."""
 
 
 def warn_of_long_range(parameters: Parameters, scene: FloatingScene) -> None:
-    """Warn if a law that is no superposition of menisci, whose range sets the cutoff, is cut off too early."""
+    """Warn if the cutoff is too short, for a law that is not a superposition of menisci and whose range sets the
+    cutoff.
+    """
     accuracy, within = scene.interaction.accuracy, parameters.cutoff < 2.0 * farthest(parameters.walls)
     if row_of(parameters).menisci or not within or not (left := force_left(parameters)) > accuracy:
         return
@@ -219,7 +223,7 @@ def _pull_for(constants: type) -> Callable[..., float]:
 
 
 def pull_by_force(square: float, own: PairParameters, law: Any) -> float:
-    """-force/distance, for laws that define their force alone."""
+    """The value of -force/distance, for laws that define their force alone."""
     distance = max(math.sqrt(square), LEAST_DISTANCE)
     sum_pair_forces: float = -pair_force(distance, own, law) / distance
     return sum_pair_forces
@@ -317,7 +321,7 @@ def sum_stretch(
 def sum_stretches(
     law: Any, edge: Any, place: Any, rows: Any, floats: Any, pair: Array, along: Array, across: Array
 ) -> None:
-    """Add the forces of many stretches, each into its own window, in parallel."""
+    """Add the forces of many stretches in parallel, each into a separate window."""
     for k in prange(len(edge) - 1):
         window = along[place[k] : place[k + 1]], across[place[k] : place[k + 1]]
         sum_stretch(law, (edge[k], edge[k + 1]), rows, floats, pair, window)
@@ -344,7 +348,9 @@ def sum_in_parallel(law: Any, rows: Any, floats: tuple[Array, Array], pair: Arra
 
 @compiled
 def sum_one_sided(law: Any, rows: Any, floats: tuple[Array, Array], pair: Array, force: Array) -> None:
-    """The forces of all pairs on all slots for a law that is not reciprocal: each slot sums over all its neighbors."""
+    """Compute the forces of all pairs on all slots for a law that is not reciprocal: each slot sums over all its
+    neighbors.
+    """
     first, _, neighbor, x, y, _, _, periods = rows
     charge, radius = floats
     length, tension, cutoff = pair[CAPILLARY_LENGTH], pair[SURFACE_TENSION], pair[CUTOFF]
@@ -410,7 +416,7 @@ def superposed_forces(
 
 @compiled
 def sort_floats(part: Any, own: Sorted, parameters: Parameters, lists: NeighborLists) -> None:
-    """Copy charges and radii into the order of the slots; after each new neighbor list."""
+    """Copy charges and radii into the order of the slots, after each rebuild of the neighbor lists."""
     floats, order = parameters.floats, lists.cells.order
     charge, radius = own.charge, own.radius
     for slot in range(len(order)):

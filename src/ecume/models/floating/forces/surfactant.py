@@ -3,13 +3,14 @@
 The concentration obeys dc/dt + div(u c) = D lap c - k c + s: finite volumes on a regular grid in a dish or a periodic
 cell. A time step is divided into steps below the limit of diffusion, and each of these into upwind advection,
 diffusion, release and an exact loss. Fluxes are exchanged between cells, so that mass is conserved to rounding. No
-surfactant crosses the wall of a dish. The free energy changes by these four, and diffusion never increases it.
+surfactant crosses the wall of a dish. The free energy changes in these four parts of a step, and diffusion never
+increases it.
 
-A float releases surfactant over its disc. The surface tension on its perimeter has the resultant of the gradient over
-its area (Gauss), which is taken with the same weights as the release. On a periodic grid the force of a float
-at rest on itself thus vanishes anywhere between the nodes, and the forces of two equal sources are opposite.
+A float releases surfactant over its disc. The resultant of the surface tension on its perimeter is the integral of the
+gradient over its area (Gauss), with the same weights as the release. On a periodic grid a float at rest therefore
+exerts no force on itself at any position, and the forces of two equal sources are opposite.
 
-In Python, since array expressions are as fast as compiled loops here and need no compilation.
+Array expressions are as fast as compiled loops here, and need no compilation.
 """
 
 from __future__ import annotations
@@ -121,7 +122,7 @@ def centers_of(part: Surfactant) -> tuple[Array, Array]:
 
 
 def weights_at(part: Surfactant, position: Array, radius: Array) -> Weights:
-    """The share of each cell in the discs: one inside, falling to zero across a cell at the perimeter."""
+    """The share of each cell in the discs: one inside, decreasing to zero across a cell at the perimeter."""
     h = float(part.width.max())
     reach = math.ceil((float(radius.max()) + h) / float(part.width.min()))
     offset = np.arange(-reach, reach + 2)
@@ -135,7 +136,7 @@ def weights_at(part: Surfactant, position: Array, radius: Array) -> Weights:
     nx, ny = part.wet.shape
     inside = (i >= 0) & (i < nx) & (j >= 0) & (j < ny)
     i, j = i % nx, j % ny
-    # In a periodic cell every place is in the grid; beside a dish nothing is.
+    # In a periodic cell the grid contains every position; in a dish it does not.
     weight = weight * (part.wet[i, j] & (inside | bool(part.along[-1].any())))
     return Weights(i, j, weight / weight.sum(axis=(1, 2))[:, None, None])
 
@@ -151,7 +152,7 @@ def tension_gradient(part: Surfactant, concentration: Array) -> tuple[Array, Arr
 
 
 def tension_forces(part: Surfactant, concentration: Array, position: Array, radius: Array) -> Array:
-    """The resultant of the surface tension on the perimeter of each float (N), (N, 2)."""
+    """The resultant (N) of the surface tension on the perimeter of each float, (N, 2)."""
     cells = weights_at(part, position, radius)
     x, y = tension_gradient(part, concentration)
     area = math.pi * radius**2
@@ -177,8 +178,8 @@ def no_surfactant_energy(
 def advance_surfactant(
     part: Surfactant, scratch: SurfactantScratch, parameters: Parameters, state: State, first: bool
 ) -> None:
-    """Advance the concentration by one time step, before it; floats release at the middle of their way in the step.
-    After it, add the work of the surface tension, by the mean of its forces at both ends.
+    """Advance the concentration by one time step before the floats move; floats release surfactant at the middle of
+    their path in the step. After the step, add the work of the surface tension, by the mean of its forces at both ends.
     """
     c, step = scratch.concentration, parameters.time_step
     if not first:
@@ -219,7 +220,9 @@ def released(part: Surfactant, position: Array, radius: Array) -> Array | None:
 
 
 def diffuse(part: Surfactant, c: Array, time: float) -> None:
-    """Exchange the fluxes of diffusion between cells: a mean over neighbors, so that no convex function increases."""
+    """Exchange the fluxes of diffusion between cells. Each new value is a mean over neighbors, so that no convex
+    function increases.
+    """
     change = np.zeros_like(c)
     for axis, passable in ((0, part.along), (1, part.across)):
         flux = passable * (c - np.roll(c, -1, axis))
@@ -228,7 +231,6 @@ def diffuse(part: Surfactant, c: Array, time: float) -> None:
 
 
 def add(c: Array, more: Array) -> None:
-    """Release."""
     c += more
 
 
@@ -242,7 +244,7 @@ def carry(part: Surfactant, c: Array, speeds: tuple[Array, Array], time: float) 
 
 
 def lose(part: Surfactant, scratch: SurfactantScratch, time: float) -> None:
-    """Evaporate and dissolve."""
+    """Evaporate and dissolve surfactant."""
     kept = math.exp(-part.loss_rate * time)
     scratch.totals[LOST] += (1.0 - kept) * float(np.prod(part.width)) * float(scratch.concentration.sum())
     scratch.concentration[:] *= kept
@@ -298,7 +300,7 @@ def make_surfactant_scratch(
 
 
 def surfactant_numbers(part: Surfactant, state: State) -> dict[str, tuple[float, str]]:
-    """The mass and the free energy of the surfactant at the surface, and all that changed them since the start."""
+    """The mass and the free energy of the surfactant at the surface, and their changes since the start."""
     own = cast(SurfactantState, state)
     totals = own.surfactant.tolist()
     return {
@@ -310,18 +312,20 @@ def surfactant_numbers(part: Surfactant, state: State) -> dict[str, tuple[float,
         "surfactant_energy_dissipated": (0.0 - totals[BY_DIFFUSION], "J"),
         "surfactant_energy_carried": (totals[BY_FLOW], "J"),
         "surfactant_energy_lost": (0.0 - totals[BY_LOSS], "J"),
-    }  # zero without a sign
+    }  # adding zero removes the sign of -0.0
 
 
 def _missing_mass(seen: NumberHistory) -> float:
-    """The mass at the surface that is neither from the start nor released nor lost, over all mass."""
+    """The relative error of the mass balance: the mass at the surface minus the initial and released mass plus the
+    losses.
+    """
     there, start = seen.now["surfactant"], seen.first["surfactant"]
     released, lost = (seen.now[name] - seen.first[name] for name in ("surfactant_released", "surfactant_lost"))
     return part_of(abs(there + lost - start - released), start + released)
 
 
 def _missing_energy(seen: NumberHistory) -> float:
-    """The free energy that no term of its budget explains, over the sum of the magnitudes of all terms."""
+    """The free energy that the terms of its budget do not explain, over the sum of the magnitudes of all terms."""
     terms = {"": -1.0, "_released": 1.0, "_dissipated": -1.0, "_carried": 1.0, "_lost": -1.0}
     names = {f"surfactant_energy{name}": sign for name, sign in terms.items()}
     missing = sum(sign * (seen.now[name] - seen.first[name]) for name, sign in names.items())
@@ -329,7 +333,9 @@ def _missing_energy(seen: NumberHistory) -> float:
 
 
 def _undone(seen: NumberHistory) -> float:
-    """The fall of what diffusion dissipated, over its largest value."""
+    """The decrease of the energy dissipated by diffusion since its maximum, over the maximum; zero if it never
+    decreases.
+    """
     name = "surfactant_energy_dissipated"
     return part_of(seen.largest[name] - seen.now[name], seen.largest[name])
 
@@ -361,25 +367,27 @@ def surfactant_of(parameters: Parameters, scene: FloatingScene) -> Built:
 
 
 def _time_of_sources(part: Surfactant, parameters: Parameters) -> float:
-    """The shortest time scale of sources (s): of their repulsion, and of swimming."""
+    """The shortest time scale of sources (s), by their repulsion and by self-propulsion."""
     floats, strongest = parameters.floats, part.slope * float(part.release.max(initial=0.0))
     if strongest == 0.0:
         return math.inf
-    # Two floats repel one another as by a spring of b S/(2 pi D) at most.
+    # Two floats repel each other at most like a spring of stiffness b S/(2 pi D).
     repelled = _time_on_springs(parameters, np.full_like(floats.radius, strongest / (2.0 * math.pi * part.diffusivity)))
     fastest = np.sqrt(strongest * floats.relaxation_time / floats.mass)
     return min(repelled, RADII * float((floats.radius / fastest).min()))
 
 
 def _time_of_drops(part: Surfactant, parameters: Parameters) -> float:
-    """The shortest time scale in the steepest gradient at the start (s), which diffusion flattens."""
+    """The shortest time scale (s) in the steepest initial gradient, which diffusion flattens later."""
     steepest = float(np.hypot(*tension_gradient(part, part.start)).max())
-    # The force over the radius.
+    # The stiffness is the force over the radius.
     return RADII * _time_on_springs(parameters, math.pi * parameters.floats.radius * steepest) if steepest else math.inf
 
 
 def _time_on_springs(parameters: Parameters, stiffness: Array) -> float:
-    """The shortest time (s) of floats on springs (N/m): of an oscillation, or of the relaxation if drag dominates."""
+    """The shortest time (s) of floats on springs with a stiffness (N/m): of oscillation, or of relaxation if drag
+    dominates.
+    """
     floats = parameters.floats
     oscillation = np.sqrt(floats.mass / stiffness) if parameters.scheme.inertia else 0.0
     return float(np.maximum(oscillation, floats.mass / floats.relaxation_time / stiffness).min())
@@ -434,12 +442,12 @@ def _inside(walls: Walls, x: Array, y: Array) -> NDArray[np.bool_]:
 
 
 def surfactant_work(part: Surfactant, time_step: float) -> float:
-    """The work of a time step in pairs: of its forces, and of its steps of diffusion."""
+    """The work of a time step, in units of a pair: of forces, and of steps of diffusion."""
     return PAIRS_PER_CELL * part.wet.size * (1.0 + math.ceil(time_step / longest_step(part, None)))
 
 
 def surfactant_lines(part: Surfactant, parameters: Parameters) -> list[Row]:
-    """The rows of `ecume check`: the grid, the range of the surfactant, and how fast a lone float swims."""
+    """The rows of `ecume check`: the grid, the range of the surfactant, and the speed of a single float."""
     nx, ny = part.wet.shape
     count = math.ceil(parameters.time_step / longest_step(part, None))
     rows = [("surfactant", f"{nx} x {ny} cells", f"of {with_prefix(float(part.width.max()), 'm', 3)}; "
@@ -457,7 +465,7 @@ def surfactant_lines(part: Surfactant, parameters: Parameters) -> list[Row]:
 
 
 def _swimming(part: Surfactant, parameters: Parameters, i: int, drive: float, *, of_size: bool) -> Row:
-    """The speed of a float on its own."""
+    """The self-propulsion speed of a single float."""
     floats, radius = parameters.floats, float(parameters.floats.radius[i])
     friction = float(floats.mass[i] / floats.relaxation_time[i])
     speed = camphor.swimming_speed(

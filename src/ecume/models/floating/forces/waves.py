@@ -1,7 +1,7 @@
-"""Floats that oscillate up and down: the mean forces and torques by the waves of others.
+"""Floats that oscillate vertically: mean forces and torques by the waves of other floats.
 
-Each float carries points that press on the liquid, at places fixed in its own frame. The slope of the wave of a unit
-force is tabulated once for a run, times the distance, which makes it smooth at small distances.
+Each float has points that press on the liquid, fixed in the frame of the float. The table contains the slope of the
+wave of a unit force times the distance; this product is smooth at small distances.
 """
 
 from __future__ import annotations
@@ -93,7 +93,7 @@ def make_waves_scratch(part: Waves, parameters: Parameters, state: State, worksp
 
 
 def with_headings(part: Waves, state: State) -> State:
-    """Return the state with the headings of propulsion along those of the floats."""
+    """Return the state with the headings of propulsion along the headings of the floats."""
     active = state.active.copy()
     active[:, 2] = 0.0
     return state._replace(active=active)
@@ -139,7 +139,7 @@ def wave_forces(
             if square == 0.0:
                 continue
             real, imaginary = tabled(table, math.sqrt(square) / part.spacing)
-            # conj(F_b) F_a; the table holds distance times slope, and x, y the distance times the direction.
+            # conj(F_b) F_a; the table contains distance times slope, x and y are distance times direction.
             along = (press[b, 0] * press[a, 0] + press[b, 1] * press[a, 1]) * real / square
             across = (press[b, 0] * press[a, 1] - press[b, 1] * press[a, 0]) * imaginary / square
             push, back = -0.5 * (along - across), 0.5 * (along + across)
@@ -192,7 +192,7 @@ def kick_wave_spins(part: Waves, scratch: WavesScratch, parameters: Parameters, 
 
 @compiled
 def turn_by_noise(part: Waves, scratch: WavesScratch, parameters: Parameters, step: int) -> None:
-    """Turn each float by a normal angle of variance 2 kT/zeta dt, with its friction zeta against turning."""
+    """Rotate each float by a normally distributed angle of variance 2 kT/zeta dt, with the rotational friction zeta."""
     for i in range(len(scratch.torque)):
         far = math.sqrt(2.0 * diffusivity(parameters.drift.thermal, part.friction[i]) * parameters.time_step)
         scratch.turning[i, 0] += far * normals(counter_of(i, step, HEADINGS), parameters.drift.seed)[0]
@@ -201,7 +201,7 @@ def turn_by_noise(part: Waves, scratch: WavesScratch, parameters: Parameters, st
 def no_wave_energy(
     part: Waves, scratch: WavesScratch, parameters: Parameters, state: State, workspace: Workspace
 ) -> tuple[float, float]:
-    """Return zero: forces that waves exert have no potential."""
+    """Return zero: forces by waves have no potential."""
     return 0.0, 0.0
 
 
@@ -272,8 +272,8 @@ def _require_headings(scene: FloatingScene) -> None:
 
 
 def _table(found: Ripples, parameters: Parameters, scene: FloatingScene) -> tuple[Array, float]:
-    """Distance times slope at even distances, up to where the slope is below `interaction.accuracy` of that at one
-    wavelength by viscosity, or across the dish; and the spacing.
+    """The table of distance times slope at equal distances, and its spacing. It ends where viscosity has reduced the
+    slope to `interaction.accuracy` of that at one wavelength, or at the size of the dish.
     """
     far = found.wavelength + found.decay_length * math.log(1.0 / scene.interaction.accuracy)
     spacing = found.wavelength / PER_WAVELENGTH
@@ -292,7 +292,7 @@ def _table(found: Ripples, parameters: Parameters, scene: FloatingScene) -> tupl
 def _slopes(
     frequency: float, density: float, surface_tension: float, viscosity: float, gravity: float, nodes: int
 ) -> Array:
-    """The table with this number of nodes. It takes a second, and is computed once for scenes with the same waves."""
+    """The table with this number of nodes. Computing it takes a second, once for all scenes with the same waves."""
     found = radiated_waves.ripples(frequency, density, surface_tension, viscosity, gravity)
     spacing = found.wavelength / PER_WAVELENGTH
     distance = np.asarray(spacing * np.arange(nodes), np.float64)

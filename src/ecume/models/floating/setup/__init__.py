@@ -1,5 +1,5 @@
 """Parameters and initial state from a scene.
 
-Start with `scene_parameters`. `kinds` computes how each kind of float floats (charge, mass, drag), and
+Start with `scene_parameters`. `kinds` computes equilibrium, charge, mass and drag of each kind of float, and
 `initial_state` places the floats.
 """

@@ -38,8 +38,8 @@ class ReynoldsWarning(UserWarning):
 
 
 def missing_in_rafts(count: int) -> tuple[str, str]:
-    """The row on rafts without hydrodynamic interaction: they are too slow by this factor, since each float has the
-    drag of a single one.
+    """The row on rafts without hydrodynamic interaction: the factor by which they are too slow, since each float has
+    the drag of a single one.
     """
     largest = min(count, MOST_SOLVED)
     value = f"up to {raft_speed_factor(largest):.2g} times too slow"
@@ -47,7 +47,7 @@ def missing_in_rafts(count: int) -> tuple[str, str]:
 
 
 def included_in_rafts(count: int) -> tuple[str, str]:
-    """The row on rafts with hydrodynamic interaction: they are faster than single floats by this factor."""
+    """The row on rafts with hydrodynamic interaction: the factor by which they are faster than single floats."""
     largest = min(count, MOST_SOLVED)
     value = f"up to {raft_speed_factor(largest):.2g} times a single float"
     return value, f"compact rafts of {largest}, by their flow; the flow at the walls of a dish is not included"
@@ -61,7 +61,7 @@ def summed_in_rafts(count: int) -> tuple[str, str]:
 
 @dataclass(frozen=True, kw_only=True)
 class HydrodynamicInteraction(Option):
-    """A row of the table, and everything that depends on it: which rows of other tables are replaced."""
+    """A row of the table, and everything that depends on it, including the rows of other tables that it replaces."""
 
     slot: str = "hydrodynamic interaction"
     path: str = "hydrodynamics.interaction"
@@ -83,11 +83,11 @@ class HydrodynamicInteraction(Option):
     """functions whose docstrings name the references that `ecume cite` lists"""
 
     def contact_model(self, name: str) -> ContactModel:
-        """The row of contacts for a choice."""
+        """The row of the contact model for a choice."""
         return CONTACTS[self.contacts.get(name, name)]
 
     def resistance(self, name: str) -> Resistance:
-        """The row of resistances for a choice."""
+        """The row of the resistances for a choice."""
         return RESISTANCES[self.resistances.get(name, name)]
 
 
@@ -100,8 +100,8 @@ def coupled_kicks_of(parameters: Parameters, scene: FloatingScene, turning: bool
 
 
 def _further_spin(scene: FloatingScene, radius: Array, viscosity: float) -> Array:
-    """The spin of each single float per torque, minus that of the half-immersed sphere with the same drag; zero where
-    it would be negative, since the matrix must remain positive definite.
+    """The rotational mobility of each single float minus that of the half-immersed sphere with the same drag; at least
+    zero, since the matrix must remain positive definite.
     """
     return np.asarray(np.maximum(1.0 / turning_frictions(scene) - 1.0 / (4.0 * math.pi * viscosity * radius**3), 0.0))
 
@@ -147,7 +147,9 @@ def hydrodynamics_of(scene: FloatingScene) -> HydrodynamicInteraction:
 
 
 def touching_reynolds(parameters: Parameters, scene: FloatingScene) -> float:
-    """The Reynolds number at which two equal floats of the strongest attraction would meet, each with its own drag."""
+    """The Reynolds number of the approach of the two equal floats with the strongest attraction, with the drag of
+    single floats.
+    """
     row, law, floats, liquid = row_of(parameters), law_of(parameters), parameters.floats, liquid_of(scene)
     friction, highest = floats.mass / floats.relaxation_time, 0.0
     kinds = distinct_rows(floats.radius, np.abs(floats.charge), friction).tolist()
@@ -158,11 +160,11 @@ def touching_reynolds(parameters: Parameters, scene: FloatingScene) -> float:
 
 
 class GasWarning(UserWarning):
-    """The gas is so dense that it is a liquid, whose viscosity is not given."""
+    """The gas above the liquid has the density of a liquid, but no viscosity is given."""
 
 
 def warn_of_dense_gas(scene: FloatingScene) -> None:
-    """Warn if the gas above the liquid is a liquid itself whose viscosity is not given."""
+    """Warn if the gas above the liquid is so dense that it is a liquid, and its viscosity is missing."""
     liquid = liquid_of(scene)
     if not (scene.hydrodynamics.resists and is_under_liquid(liquid)) or liquid.gas_viscosity > 0.0:
         return

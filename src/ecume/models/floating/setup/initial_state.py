@@ -1,9 +1,9 @@
 """The first state: floats at given positions, on lattices and rings, or at random; and the periodic cell.
 
-The periodic cell of a scene, and the smallest one in which nearest images are enough. Each float interacts with the
-nearest image of every other float. That is the sum over all images if no force reaches farther than half of the
-shorter side. Beyond the cutoff the attraction decays as K1, exponentially: a cell that is twice as wide as the cutoff
-omits no more than `interaction.accuracy` allows.
+The smallest periodic cell is that in which nearest images are sufficient: each float interacts with the nearest image
+of every other float. That is the sum over all images if no force reaches farther than half of the shorter side. Beyond
+the cutoff the attraction decays as K1, exponentially: a cell that is twice as wide as the cutoff omits no more than
+`interaction.accuracy` allows.
 """
 
 from __future__ import annotations
@@ -65,7 +65,7 @@ def periods_in(scene: FloatingScene) -> Array:
 
 
 class Range(NamedTuple):
-    """The range of a force of the scene (m), and a hint to reduce it."""
+    """The range of a force of the scene (m), and a hint on how to reduce it."""
 
     name: str
     reach: float
@@ -98,12 +98,14 @@ def _contact_range(parameters: Parameters) -> Range:
 
 
 def _pair_range(parameters: Parameters, half: float) -> list[Range]:
-    """The range of the pair law, with a hint on the part of the attraction that a cutoff at half a side would omit."""
+    """The range of the pair law, with a hint on the part of the attraction that a cutoff at half a side would
+    neglect.
+    """
     if not row_of(parameters).has_force:
         return []
     length, contact = float(parameters.pair[CAPILLARY_LENGTH]), 2.0 * float(parameters.floats.radius.max())
     omitted = capillarity.neglected_fraction(half / length, contact / length)
-    if omitted <= 0.0:  # in cells far wider than any force reaches
+    if omitted <= 0.0:  # in cells far wider than the range of all forces
         return [Range("the attraction", parameters.cutoff, "")]
     needed = _rounded_up(omitted, 2)
     if needed > COARSEST_ACCURACY:
@@ -117,7 +119,7 @@ def _pair_range(parameters: Parameters, half: float) -> list[Range]:
 
 
 def _part_range(row: Any, built: Built, parameters: Parameters, half: float) -> Range:
-    """The range of a further force: of magnets, it follows from the accuracy; of films, from their own cutoff."""
+    """The range of a further force: of magnets according to the accuracy, of films according to their cutoff."""
     if row.path == "hydrodynamics.lubrication":
         return Range("a film", built.reach, " (a smaller hydrodynamics.lubrication.cutoff shortens the films)")
     touching = 2.0 * float(parameters.floats.radius.min())
@@ -170,7 +172,7 @@ def start(scene: FloatingScene, parameters: Parameters) -> State:
 
 
 def _move_apart(opened: Callable[..., tuple[Array, Array]], parameters: Parameters, state: State) -> None:
-    """Move and rotate shapes that overlap by more than contacts leave; others stay to the bit."""
+    """Move and rotate shapes that overlap by more than contacts tolerate; all others are unchanged to the bit."""
     part, at = parameters.parts.contacts, (state.position, state.turning[:, 0])
     near = gaps_between(parameters, *at, 2.0 * TOUCHING * float(parameters.floats.radius.max()))
     pairs = [row for row in near if not parameters.passing or row[1] >= len(state.position)]
@@ -185,8 +187,8 @@ def _are_hard(parameters: Parameters) -> bool:
 
 
 def layout(scene: FloatingScene, parameters: Parameters, state: State) -> Layout:
-    """The arrays of a state of this scene. Stored contacts are compared with detected ones, and are not used as
-    indices. States of earlier versions have no tally of injected work, which only driven scenes need.
+    """The arrays of a state of this scene. Stored contacts are only compared with detected ones, and not used as
+    indices. States of earlier versions do not record injected work, which only driven scenes need.
     """
     zeros = np.zeros((len(parameters.floats.radius), 2))
     blank = with_angles(with_parts(make_state(zeros, zeros), parameters), scene, parameters)
@@ -216,7 +218,7 @@ def with_angles(state: State, scene: FloatingScene, parameters: Parameters) -> S
 
 
 def _with_headings(active: Array, scene: FloatingScene, turns: bool) -> Array:
-    """The state of active floats with the headings that rows give; those of floats that turn are along their angles."""
+    """The state of active floats with the given headings; the headings of floats that turn are along their angles."""
     found, first = active.copy(), len(active) - len(scene.rows)
     for i, row in enumerate(scene.rows, first):
         if row.angle is not None:
@@ -245,7 +247,7 @@ def _angle_of(row: FloatRow) -> float:
 
 
 def _check(scene: FloatingScene, parameters: Parameters, position: Array, which: Integers) -> None:
-    """Raise SceneError for floats with given positions that overlap or are outside the dish."""
+    """Raise SceneError for given positions of floats that overlap or are outside the dish."""
     tolerance = SLIGHT if contacts_of(parameters).stores_overlaps else TOUCHING
     faults = position_faults(parameters, position, which, float_names(scene), tolerance)
     if faults:
@@ -262,9 +264,9 @@ def position_faults(
 
 
 def _check_shapes(scene: FloatingScene, parameters: Parameters, position: Array, which: Any) -> None:
-    """Raise SceneError for shapes with given positions and initial angles that overlap or are outside the dish."""
+    """Raise SceneError for given positions and initial angles of shapes that overlap or are outside the dish."""
     names, radius, faults = float_names(scene), parameters.floats.radius, []
-    # Floats at random positions are placed far away.
+    # Floats at random positions are not placed yet: here they get positions far away.
     far = 4.0 * (np.abs(np.nan_to_num(position)).max() + radius.sum()) * (1.0 + np.arange(len(position)))
     there = np.where(np.isnan(position), far[:, None], position)
     for i, j, gap in gaps_between(parameters, there, initial_angles(scene), 0.0):

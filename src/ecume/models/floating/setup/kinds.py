@@ -59,7 +59,7 @@ class FloatKind(NamedTuple):
 
 
 def contact_angle_of(given: FloatSpec | FloatRow, liquid: flotation.Liquid) -> float:
-    """The contact angle: given, by Young's law, or by the closure of the original project."""
+    """The contact angle: the given value, or from Young's law, or from the closure relation of the original project."""
     if given.surface_energies is not None:
         energies = given.surface_energies
         return flotation.young_contact_angle(
@@ -129,7 +129,7 @@ def shape_kind(given: FloatSpec | FloatRow, shape: ShapeSpec, scene: FloatingSce
 
 
 def _round_figure(kind: FloatKind, scene: FloatingScene) -> Figure | None:
-    """The figure of a sphere or a disc in a scene with shapes; otherwise None."""
+    """The constants of a sphere or a disc in a scene with shapes; otherwise None."""
     if not scene.shaped or not isinstance(kind.body, flotation.Sphere | flotation.Disc):
         return None
     return round_figure(kind.body, kind.charge, kind.mass, kind.friction)
@@ -158,8 +158,8 @@ def float_kinds(scene: FloatingScene) -> list[FloatKind]:
 
 
 def given_floats(scene: FloatingScene) -> list[tuple[str, FloatSpec | FloatRow, int]]:
-    """The specifications of floats, each with its path and its number of equal floats: tables of species (one entry for
-    each float if they have several sizes), and rows.
+    """The specifications of floats, each with its path and its number of equal floats. Tables of species come first,
+    with one entry per float if sizes differ; rows follow.
     """
     found: list[tuple[str, FloatSpec | FloatRow, int]] = []
     for place, species in enumerate(scene.particles):
@@ -174,7 +174,7 @@ def given_floats(scene: FloatingScene) -> list[tuple[str, FloatSpec | FloatRow, 
 
 
 def _alone(species: FloatSpec, radius: float) -> FloatSpec:
-    """A species of one float of this radius (m)."""
+    """A species of a single float of this radius (m)."""
     return dataclasses.replace(
         species, radius=radius, count=1, positions=(), velocities=(), radii=(), sizes=None, volume_share=None
     )

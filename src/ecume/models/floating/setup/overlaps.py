@@ -1,8 +1,8 @@
-"""Overlaps of given positions, which are removed before a run.
+"""Overlaps of given positions, which are removed before a run starts.
 
 During a run contacts keep overlaps below the slop, and remove deeper ones by moving floats without changing velocities.
-That changes the energy of the floats, which no budget contains. Positions of other programs may overlap as deeply; if
-none do so by more than nearly the slop, the first step moves nothing.
+Such a displacement changes the energy of the floats without an entry in the energy budget. Positions from other
+programs may have such overlaps. They are therefore reduced to less than the slop before the first step.
 """
 
 from __future__ import annotations
@@ -34,8 +34,9 @@ down to half of the slop: its rafts are continued to the bit.
 
 
 def separated(position: Array, radius: Array, periods: Array, walls: Walls, slop: float) -> Array:
-    """Floats with small overlaps, separated along their lines of centers and from walls until they touch; without
-    overlaps above `KEPT` of the slop, or with larger ones than `SLIGHT`, they are unchanged.
+    """Return positions of floats with small overlaps after separating them along their lines of centers and from walls
+    until they touch. Positions are unchanged if no overlap exceeds `KEPT` of the slop, or if one is larger than
+    `SLIGHT`.
     """
     pairs = _near(position, radius, periods)
     deepest = _depths(position, radius, periods, pairs)[1]
@@ -62,7 +63,7 @@ def separated(position: Array, radius: Array, periods: Array, walls: Walls, slop
 
 
 def _near(position: Array, radius: Array, periods: Array) -> Integers:
-    """The pairs (P, 2) that overlap, or may do so once others are moved."""
+    """The pairs (P, 2) that overlap, or may overlap once other floats are moved."""
     if len(radius) < 2:
         return np.zeros((0, 2), np.int64)
     box = [side if side > 0.0 else None for side in periods[0].tolist()]
@@ -101,7 +102,9 @@ Gaps = list[tuple[int, int, float]]
 
 
 def gaps_of_outlines(part: Outlined, parameters: Parameters, at: tuple[Array, Array], reach: float) -> Gaps:
-    """Pairs nearer than `reach`, for bodies `at` these positions and angles. For starts and frames: each with each."""
+    """Pairs nearer than `reach`, for bodies at the positions and angles `at`, for initial states and frames. All pairs
+    are tested.
+    """
     (position, angle), radius, count, outlines = at, parameters.floats.radius, len(at[0]), part.outlines
     stance = _stance(outlines, position, angle)
     turn_corners(outlines, stance)
@@ -123,14 +126,14 @@ def separated_outlines(
     part: Outlined, parameters: Parameters, at: tuple[Array, Array], gaps: Gaps
 ) -> tuple[Array, Array]:
     """The positions and angles of bodies that overlapped slightly, without overlaps above `KEPT` of the slop. `gaps`
-    are those of bodies `at` these positions and angles.
+    are those of bodies at the positions and angles `at`.
     """
     count, slop = len(parameters.floats.radius), KEPT * parameters.slop
     stance, pairs = _stance(part.outlines, *at), [(i, j) for i, j, _ in gaps if j < count]
     first = np.searchsorted([i for i, _ in pairs], np.arange(count + 1))
     candidates = Candidates(first.astype(np.int64), np.array([j for _, j in pairs], np.int64))
     weights = np.stack([1.0 / parameters.floats.mass] * 3, axis=1)
-    weights[:, 2] *= 2.0 / parameters.floats.radius**2  # that of a disc: it only shares the displacement
+    weights[:, 2] *= 2.0 / parameters.floats.radius**2  # the inertia of a disc; it only distributes the displacement
     bodies = touching.OutlinedBodies(
         part.outlines, parameters.floats.radius, parameters.walls, weights, parameters.passing
     )

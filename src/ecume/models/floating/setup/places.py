@@ -1,4 +1,4 @@
-"""Initial positions and velocities of floats that a scene specifies, and the region for floats placed at random."""
+"""Initial positions and velocities of floats that a scene specifies, and the region of floats at random positions."""
 
 from __future__ import annotations
 

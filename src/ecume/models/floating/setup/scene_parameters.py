@@ -87,7 +87,7 @@ def parameters_of(scene: FloatingScene, further: tuple[Interaction, ...] = ()) -
 
 
 def _parameters_with(scene: FloatingScene, chosen: Chosen, longer: float) -> Parameters:
-    """Return parameters with neighbor lists for time steps that are longer by this factor than the default."""
+    """Return parameters with neighbor lists for time steps that are `longer` times the default."""
     plain = _without_parts(scene, chosen, longer)
     require_finite_forces(plain, scene)
     eligible = chosen.grid_allowed and row_of(plain).menisci and scene.cell is None
@@ -98,7 +98,7 @@ def _parameters_with(scene: FloatingScene, chosen: Chosen, longer: float) -> Par
     )
     if split is not None:
         plain = cut_off(plain, split[1])
-    _require_memory(len(plain.floats.mass), _memory_of_lists(plain))  # before large arrays of parts
+    _require_memory(len(plain.floats.mass), _memory_of_lists(plain))  # test before the parts allocate large arrays
     built = [row.make(plain, scene) for row in chosen.interactions if row is not INTERACTIONS["grid"]]
     if split is not None:
         short = Superposed(law_in_precision(plain, split[0].short))
@@ -197,7 +197,7 @@ def _without_parts(scene: FloatingScene, chosen: Chosen, longer: float) -> Param
 
 
 def _reach_of_pairs(scene: FloatingScene, row: PairLaw, length: float, largest: float) -> float:
-    """The distance (m) up to which floats act on one another: of floats without any force, that of a contact."""
+    """The distance (m) up to which floats act on each other; without forces, that of a contact."""
     if not row.has_force and scene.interaction.method == "superposition":
         return 2.0 * largest
     return capillarity.truncation_radius(scene.interaction.accuracy, 2.0 * largest / length) * length
@@ -248,7 +248,7 @@ TABLES: Mapping[str, Iterable[Option]] = {
 
 
 class Chosen(NamedTuple):
-    """The rows that a scene chooses."""
+    """The rows of the tables that a scene chooses."""
 
     integrator: Integrator
     interactions: tuple[Interaction, ...]
@@ -263,7 +263,7 @@ class Chosen(NamedTuple):
 
     @property
     def sums_menisci(self) -> bool:
-        """Whether the base is the sum of a pair law."""
+        """Whether the forces between floats are the sum of a pair law."""
         return self.interactions[0] is INTERACTIONS["superposition"]
 
 
@@ -293,7 +293,7 @@ def chosen_by(scene: FloatingScene) -> Chosen:
         contacts=CONTACTS["outlines"] if scene.shaped else hydrodynamics.contact_model(solved),
         requested_contacts=requested,
         hydrodynamics=hydrodynamics,
-        # For integrators that evaluate forces within a step, four direct sums per step are faster than a grid.
+        # If the integrator evaluates forces within a step, four direct sums per step are faster than a grid.
         grid_allowed=plain and "kicks at the ends" in integrator.gives,
     )
 
@@ -432,7 +432,7 @@ BYTES_PER_POINT = 60
 def checked_parameters(scene: FloatingScene, further: tuple[Interaction, ...] = ()) -> Parameters:
     """Return the parameters of a scene that fits into memory, with further interactions."""
     count = len(scene.rows) + sum(species.count for species in scene.particles)
-    # Tested before any allocation, since a scene may request a hundred million floats by mistake.
+    # Test before any allocation, since a scene may specify a hundred million floats by mistake.
     _require_memory(count, BYTES_PER_FLOAT * count)
     parameters = parameters_of(scene, further)
     _require_memory(count, memory_estimate(parameters))

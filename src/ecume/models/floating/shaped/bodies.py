@@ -1,10 +1,10 @@
 """Floats that are not round: their constants and workspace, and the forces and torques on the charges inside their
 contact lines, their motion and their contacts.
 
-Translation and rotation in a time step: kicks and drift of three velocities for each body. Drag acts along
-the axis, across it and on the spin, each solved exactly for a constant force during the kick. Thermal noise has the
-variance 2 kT/zeta dt along each of the three; since the frictions depend on the angle alone, and no force turns a body
-about its center, no drift kT div M belongs to it.
+Translation and rotation in a time step: kicks and drift of three velocities for each body. Drag acts along the axis,
+across it and on the spin, each solved exactly for a constant force during the kick. Thermal noise has the variance 2
+kT/zeta dt along each of the three; since the frictions depend on the angle alone, and no force on the center turns a
+body, the drift kT div M vanishes.
 """
 
 from __future__ import annotations
@@ -233,7 +233,7 @@ def energy_of_pair(
 def shaped_energies(
     shaped: Shaped, scratch: ShapedScratch, parameters: Parameters, state: State, workspace: Workspace
 ) -> tuple[float, float]:
-    """Energies of all pairs and of all walls (J)."""
+    """The energies of all pairs and of all walls (J)."""
     cutoff = parameters.pair[CUTOFF]
     walls, lists = parameters.walls, workspace.lists
     turn_charges(shaped, state.turning, scratch.at)
@@ -265,8 +265,8 @@ def kick_time(parameters: Parameters) -> float:
 
 @compiled
 def slowed(part: RigidKicks, parameters: Parameters, i: int, axis: int) -> tuple[float, float]:
-    """The decay of the velocity of body i along one of its axes (2: spin) by drag in a kick, and the gain per unit
-    force.
+    """The factor by which drag reduces the velocity of body i along one of its axes (2: spin) in a kick, and the
+    velocity gained per unit force.
     """
     time = kick_time(parameters)
     friction, mass = part.friction[i, axis], part.inertia[i] if axis == 2 else parameters.floats.mass[i]
@@ -335,7 +335,7 @@ def tip_travel(part: RigidKicks, scratch: ShapedScratch, parameters: Parameters,
 
 @compiled
 def fill_mobility(part: RigidKicks, scratch: ShapedScratch, parameters: Parameters) -> None:
-    """Compute velocity per impulse along each body, across it, and for its spin."""
+    """Compute velocity per impulse along each body and across it, and spin per angular impulse."""
     time = kick_time(parameters)
     for i in range(len(scratch.mobility)):
         for axis in range(3):
@@ -394,7 +394,7 @@ def add_rigid_heat(
 
 @compiled
 def kick_twice(part: RigidKicks, scratch: ShapedScratch, parameters: Parameters, force: Array) -> None:
-    """Compute the midstep velocities after a kick, and `before` after a kick without forces."""
+    """Compute the midstep velocities after a kick, and the velocities `before` after a kick without forces."""
     copy(scratch.before, scratch.midstep_velocity)
     kick(part, scratch, parameters, force, scratch.before, 0.0)
     kick(part, scratch, parameters, force, scratch.midstep_velocity, 1.0)
@@ -434,7 +434,7 @@ def begin_rigid(part: RigidKicks, scratch: ShapedScratch, parameters: Parameters
 def bound_rigid_travel(
     part: RigidKicks, scratch: ShapedScratch, parameters: Parameters, state: State, workspace: Workspace
 ) -> int:
-    """Add the travel of tips by rotation; `DIVERGED` if a body turns too far in a step."""
+    """Add the travel of tips by rotation; return `DIVERGED` if a body turns too far in a step."""
     tips, turn = tip_travel(part, scratch, parameters, state)
     workspace.travel[0] += tips
     return DONE if turn <= FARTHEST_TURN else DIVERGED
@@ -465,9 +465,9 @@ UNLIKELY = 20.0
 
 @compiled
 def require_reflected_gaps(parameters: Parameters, state: State, scratch: ShapedScratch) -> None:
-    """Require the gaps of reflected Brownian motions at the end of the step. This is exact for one contact of a body;
-    of several at once gaps far below kT over the force are too frequent, as in clusters of lasting contacts
-    (`thermal_collisions`).
+    """Require the gaps of reflected Brownian motions at the end of the step. This is exact for a single contact of a
+    body. With several contacts at once, gaps far below kT over the force are too frequent, as in clusters of lasting
+    contacts (`thermal_collisions`).
     """
     levers, time = scratch.levers, parameters.time_step
     touching.normal_velocities(levers, scratch.midstep_velocity, levers.scratch)

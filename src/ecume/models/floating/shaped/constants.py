@@ -116,14 +116,14 @@ def _most_places(skeletons: Sequence[Skeleton]) -> int:
 
 
 def _too_many(count: int) -> list[Fault]:
-    """The fault of more floats than sums over the charges of each pair can serve."""
+    """The fault that there are too many floats for sums over the charges of each pair."""
     if count <= MOST_SHAPES:
         return []
     return [Fault("particles", f"got {count} floats in a scene with shapes; expected at most {MOST_SHAPES}")]
 
 
 def _too_flat(parameters: Parameters, dish_radius: float) -> list[Fault]:
-    """The fault of a float so large that it would touch a round wall at two points."""
+    """The fault that a float is so large that it would touch a round wall at two points."""
     if float(parameters.floats.radius.max()) < 0.5 * dish_radius:
         return []
     return [Fault("dish.radius", f"{dish_radius:g} m is less than twice the radius of a float with a shape")]
@@ -137,8 +137,8 @@ def shortest_time(shaped: Shaped, parameters: Parameters, number: Integers) -> f
 
 
 def spinning_time(shaped: Shaped, parameters: Parameters, scene: FloatingScene) -> float:
-    """The time (s) in which a float turns by `TURN` if the whole initial kinetic energy becomes rotation, or at its
-    initial spin.
+    """The time (s) in which a float turns by `TURN`, at its initial spin or if the whole initial kinetic energy becomes
+    rotation.
     """
     starts = given_places(scene).velocity
     speed = float(np.hypot(starts[:, 0], starts[:, 1]).max())
@@ -148,7 +148,7 @@ def spinning_time(shaped: Shaped, parameters: Parameters, scene: FloatingScene) 
 
 
 def _times(shaped: Shaped, parameters: Parameters, pair: tuple[int, int]) -> float:
-    """The shortest time scale of two touching bodies, over their angles."""
+    """The shortest time scale (s) of two touching bodies, over all their angles."""
     times = []
     ways = 0.0, 0.25 * math.pi, 0.5 * math.pi
     for turns in itertools.product(ways, ways):
@@ -179,7 +179,7 @@ def _stiffnesses(
 def _pull(
     shaped: Shaped, parameters: Parameters, pair: tuple[int, int], turns: tuple[float, float], apart: float
 ) -> tuple[float, float, float, float]:
-    """The forces and torques of two bodies, the second to the right of the first; both may be the same body."""
+    """The forces and torques of two bodies, the second to the right of the first."""
     blocks = [slice(shaped.first[k], shaped.first[k + 1]) for k in pair]
     two = shaped._replace(
         charge=np.concatenate([shaped.charge[block] for block in blocks]),
@@ -213,7 +213,7 @@ def touching_distance(
 
 
 def _two(outlines: Outlines, pair: tuple[int, int]) -> Outlines:
-    """The outlines of two bodies, which may be the same."""
+    """The outlines of two bodies; both may be the same body."""
     corners = [slice(outlines.first_corner[k], outlines.first_corner[k + 1]) for k in pair]
     edges = [slice(outlines.first_edge[k], outlines.first_edge[k + 1]) for k in pair]
     first = _firsts([part.stop - part.start for part in corners])

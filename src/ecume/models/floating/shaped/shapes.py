@@ -120,7 +120,7 @@ def _needle(given: Given, liquid: flotation.Liquid) -> FloatingShape:
 
 
 def _plate(given: Given, liquid: flotation.Liquid) -> FloatingShape:
-    """A flat body with a pinned contact line: equilibrium and drag are those of a disc of the same area."""
+    """A flat body with a pinned contact line: its equilibrium and drag are those of a disc of the same area."""
     skeleton = skeleton_of(given.shape, given.radius)
     thickness = given.shape.thickness or given.shape.width or 2.0 * _half_side(given.shape, given.radius)
     area, second = moments(silhouette(skeleton, count=FINE))
@@ -180,7 +180,7 @@ def _half_side(shape: ShapeSpec, radius: float) -> float:
 
 
 def round_figure(kind: flotation.Sphere | flotation.Disc, charge: float, mass: float, friction: float) -> Figure:
-    """The figure of a sphere or a disc in a scene with shapes: no force turns it, and friction stops its spin."""
+    """The constants of a sphere or a disc in a scene with shapes: no force turns it, and friction stops its spin."""
     radius = kind.radius
     share = 0.4 if isinstance(kind, flotation.Sphere) else 0.5
     turning = friction * radius**2 * (4.0 / 3.0 if isinstance(kind, flotation.Sphere) else 1.0)
@@ -213,7 +213,9 @@ def _out_of_disc(rays: Array, center: Array, radius: float) -> Array:
 
 
 def _out_of_side(rays: Array, start: Array, end: Array, aside: float) -> Array:
-    """The distance along each ray to the line parallel to an edge; zero if it does not cross it."""
+    """The distance along each ray to the line parallel to an edge at the distance `aside`; zero if the ray does not
+    cross it.
+    """
     along = (end - start) / np.hypot(*(end - start))
     normal = np.array([-along[1], along[0]])
     with np.errstate(divide="ignore", invalid="ignore"):

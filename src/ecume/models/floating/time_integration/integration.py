@@ -1,9 +1,9 @@
 """The time step: contacts, drift and forces in their order; and the loop over steps.
 
-Kick, contacts, drift, forces, kick, contacts: velocity Verlet with unilateral constraints, as RATTLE is velocity
-Verlet with bilateral ones. The first contact solve acts on the midstep velocity, so that no float overlaps another
-after the step; the second acts on the velocity at its end, so that touching floats are at rest if no force moves
-them. Other schemes define their own midstep velocity and kick.
+Kick, contacts, drift, forces, kick, contacts: velocity Verlet with unilateral constraints, as RATTLE is velocity Verlet
+with bilateral ones. The first contact solve acts on the midstep velocity, so that no float overlaps another after the
+step; the second acts on the velocity at its end, so that touching floats remain at rest if no force moves them. Other
+schemes define their own midstep velocity and kick.
 
 The chosen parts of a scene are in `Parts`: an integrator, interactions, resistances and contacts. The types of these
 parts select the functions of their rows when the step is compiled.
@@ -91,9 +91,8 @@ def skin_of(parameters: Parameters, state: State) -> float:
 
 @compiled_inside
 def skin_for(skin: float, ahead: float) -> float:
-    """The skin of new lists (m) for floats that move by at most `ahead` in the next step: that of the parameters,
-    `skin`, which is best for floats as fast as the time step expects; otherwise doubled until lists are valid for two
-    steps.
+    """The skin of new lists (m) for floats that move by at most `ahead` in the next step: by default `skin`, the best
+    value for floats as fast as the time step assumes; otherwise doubled until the lists are valid for two steps.
     """
     widest = WIDEST * skin
     if ahead <= USED * skin:
@@ -149,8 +148,8 @@ def step(parts: Parts, scratches: Scratch, parameters: Parameters, state: State,
 def integrate(
     parts: Parts, scratches: Scratch, parameters: Parameters, state: State, workspace: Workspace, steps: int
 ) -> int:
-    """Advance by that many steps: see `ecume.models.model.Model.advance`. `parameters` and `workspace` do not contain
-    the parts, so that code that is independent of them is compiled once.
+    """Advance by `steps` steps: see `ecume.models.model.Model.advance`. `parameters` and `workspace` do not contain the
+    parts, so that code that is independent of them is compiled once.
     """
     begin(parts.integrator, scratches.integrator, parameters, state)
     set_clock(scratches, state.step[0] * parameters.time_step)
@@ -173,7 +172,9 @@ def integrate(
 
 
 def bare_parameters(parameters: Parameters, scratches: Scratch) -> Parameters:
-    """The parameters that compiled code gets: without parts, and with walls where steps have moved them."""
+    """The parameters for compiled code: without parts, and with walls at the positions to which steps have moved
+    them.
+    """
     walls = parameters.walls
     for part, own in zip(parameters.parts.interactions, scratches.interactions, strict=True):
         moved = BY_CONSTANTS[type(part)].moved_walls
@@ -182,8 +183,8 @@ def bare_parameters(parameters: Parameters, scratches: Scratch) -> Parameters:
 
 
 def advance(parameters: Parameters, state: State, workspace: Workspace, steps: int) -> int:
-    """See `ecume.models.model.Model.advance`. Compiled code runs all steps if it can call every part; otherwise
-    Python runs the same text, step by step, around compiled parts.
+    """Advance by `steps` steps: see `ecume.models.model.Model.advance`. Compiled code runs all steps if it can call
+    every part; otherwise Python runs the same functions step by step and calls compiled parts.
     """
     parts, bare = parameters.parts, bare_parameters(parameters, workspace.scratch)
     interactions = map(BY_CONSTANTS.__getitem__, map(type, parts.interactions))
@@ -201,8 +202,8 @@ def advance(parameters: Parameters, state: State, workspace: Workspace, steps: i
 
 @composed
 def renew_lists(parts: Parts, scratches: Scratch, parameters: Parameters, state: State, workspace: Workspace) -> bool:
-    """Build new lists at the present positions; of the state only reference positions and skin change. Returns False,
-    without a change, if the capacity is exceeded. `parameters` and `workspace` have no parts.
+    """Build new lists at the present positions; of the state only reference positions and skin change. If the capacity
+    is exceeded, nothing changes and the result is False. `parameters` and `workspace` have no parts.
     """
     former, skin = state.reference.copy(), state.skin[0]
     copy_rows(state.reference, state.position)
@@ -215,7 +216,9 @@ def renew_lists(parts: Parts, scratches: Scratch, parameters: Parameters, state:
 
 
 def forces_at(parameters: Parameters, position: Array, workspace: Workspace) -> Array:
-    """The forces on all floats (N, 2) at these positions, where the lists must be valid; kept in the workspace."""
+    """The forces on all floats (N, 2) at these positions, where the lists must be valid; the array belongs to the
+    workspace.
+    """
     bare = bare_parameters(parameters, workspace.scratch)
     evaluate(parameters.parts, workspace.scratch, bare, position, workspace.lists, workspace.force)
     return workspace.force

@@ -1,11 +1,11 @@
 """The table of integrators: kick, drag and drift of a time step without contacts, and the work done from outside.
 
-Energy budget: the work done on floats from outside in each step, by a current, by a moving dish, and by noise. A
-current drags with zeta (u - v). Its part zeta u does the injected work; -zeta v is the drag of a liquid at rest,
-which dissipates. A float that drifts with the current receives zeta u^2 and dissipates as much. A moving dish acts,
-in its own frame, by inertia and by the drag of `left_behind`. Noise exchanges heat with the floats: the work of the
-random force and of the drag together along a path is -F o dx of all other forces, in the sense of Stratonovich
-[sekimoto1998]. Contacts are hard and do no work.
+Energy budget: the work done on floats from outside in each step, by a current, by a moving dish, and by noise. The drag
+by a current is zeta (u - v). Its part zeta u does the injected work; -zeta v is the dissipative drag of a liquid at
+rest. A float that drifts with the current receives zeta u^2 and dissipates as much. In its frame, a moving dish exerts
+an inertial force and the drag of `left_behind`. Noise exchanges heat with the floats: the work of the random force and
+of the drag together along a path is -F o dx of all other forces, in the sense of Stratonovich [sekimoto1998]. Contacts
+are hard and do no work.
 """
 
 from __future__ import annotations
@@ -147,7 +147,7 @@ def apply_kick(kick: Kick, velocity: Array, force: Array) -> None:
 
 @compiled_inside
 def kick_floats(part: Any, parameters: Parameters, state: State, force: Array, ahead: float) -> None:
-    """Apply a kick with the drag law of the scene and a moving dish, `ahead` steps from now."""
+    """Apply a kick with the drag law of the scene and a moving dish, `ahead` steps later."""
     if parameters.drift.thickness > 0.0:
         # The forces are those at the beginning of a step, or at its end after the drift.
         apply_nonlinear_kick(parameters, state, force, (state.step[0] + int(ahead)) * parameters.time_step)
@@ -158,7 +158,9 @@ def kick_floats(part: Any, parameters: Parameters, state: State, force: Array, a
 
 @compiled
 def add_dish_motion(part: Any, parameters: Parameters, state: State, ahead: float) -> None:
-    """Change velocities by the motion of the dish, in its frame; without inertia only its velocity acts."""
+    """Change velocities by the motion of the dish, in its frame; without inertia only the velocity of the dish
+    matters.
+    """
     if not parameters.drift.sway.moves:
         return
     time = (state.step[0] + ahead) * parameters.time_step
@@ -185,7 +187,7 @@ def apply_nonlinear_kick(parameters: Parameters, state: State, force: Array, now
         speed = math.sqrt((velocity[i, 0] - along) ** 2 + (velocity[i, 1] - across) ** 2)
         faster = schiller_naumann_factor(2.0 * floats.radius[i] * speed * parameters.drift.thickness)
         decay = math.exp(-time * faster / floats.relaxation_time[i])
-        # The terminal velocity of force and flow; the force contains Stokes's part of the flow.
+        # The terminal velocity by force and flow; the force contains the Stokes drag of the flow.
         last_x = along + (force[i, 0] - friction * along) / (friction * faster)
         last_y = across + (force[i, 1] - friction * across) / (friction * faster)
         velocity[i, 0] = last_x + decay * (velocity[i, 0] - last_x)
@@ -217,7 +219,7 @@ class Kicks(NamedTuple):
 
 
 class DrivenKicks(NamedTuple):
-    """The same of floats on which noise, a current, a moving dish or other sources do work."""
+    """Kicks of floats on which noise, a current, a moving dish or other sources do work."""
 
 
 class RungeKutta(NamedTuple):
@@ -244,7 +246,7 @@ def predict_kicked(
 
 @compiled
 def add_thermal_motion(part: Any, parameters: Parameters, state: State, workspace: Workspace) -> None:
-    """Add Brownian displacements to the velocities, and keep the velocities without them."""
+    """Add Brownian displacements to the velocities, and store the velocities without them."""
     if parameters.drift.thermal > 0.0:
         copy_rows(workspace.stages[DRIVEN], state.velocity)
         add_noise(parameters, state.velocity, int(state.step[0]))
@@ -254,8 +256,8 @@ def add_thermal_motion(part: Any, parameters: Parameters, state: State, workspac
 def predict_runge_kutta(
     part: RungeKutta, parts: Parts, scratches: Scratch, parameters: Parameters, state: State, workspace: Workspace
 ) -> None:
-    """The classical scheme of fourth order, including drag: positions and velocities change by weighted means of four
-    stages.
+    """Compute velocities by the classical scheme of fourth order, including drag: positions and velocities change by
+    weighted means of four stages.
     """
     time, midstep_velocity, stages = parameters.time_step, workspace.midstep_velocity, workspace.stages
     position, velocity, rate, slope, push = stages[0], stages[1], stages[2], stages[3], stages[4]
@@ -283,7 +285,9 @@ def predict_runge_kutta(
 def predict_stoermer(
     part: Stoermer, parts: Parts, scratches: Scratch, parameters: Parameters, state: State, workspace: Workspace
 ) -> None:
-    """Drift, kick, drift: the midpoints obey x(t+dt) = 2 x(t) - x(t-dt) + dt^2 a. There is no force between steps."""
+    """Compute the midpoint of drift, kick, drift: midpoints obey x(t+dt) = 2 x(t) - x(t-dt) + dt^2 a. There is no force
+    between steps.
+    """
     midstep_velocity, middle = workspace.midstep_velocity, workspace.stages[0]
     copy_rows(midstep_velocity, state.velocity)
     copy_rows(middle, state.position)
@@ -320,7 +324,7 @@ def fastest_kicked(part: Any, scratch: Any, parameters: Parameters, state: State
     """The highest possible midstep speed of any float, without contacts; NaN if any speed is NaN."""
     kick, velocity, force, fastest = parameters.kick, state.velocity, workspace.force, 0.0
     for i in range(velocity.shape[0]):
-        # A velocity that drag stops at once moves no float.
+        # A velocity that drag stops at once does not move a float.
         speed = math.sqrt(velocity[i, 0] ** 2 + velocity[i, 1] ** 2) if kick.decay[i] > 0.0 else 0.0
         speed += kick.gain[i] * math.sqrt(force[i, 0] ** 2 + force[i, 1] ** 2)
         # Written so that a NaN is kept.
@@ -486,5 +490,5 @@ move_dish = selected(INTEGRATORS_BY_CONSTANTS, "move_dish")
 
 
 def kicks_of(integrator: Integrator, parameters: Parameters) -> Any:
-    """The part of an integrator, in a separate type for kicks of floats on which something does work."""
+    """The constants of an integrator, in a separate type for kicks of floats on which external sources do work."""
     return DrivenKicks() if integrator.constants is Kicks and is_driven(parameters) else integrator.constants()

@@ -1,5 +1,5 @@
-"""The length of the time step: the longest that the stiffness of forces and the speed of floats permit, or that of the
-scene.
+"""The length of the time step: that of the scene, or the longest that the stiffness of forces and the speed of floats
+permit.
 """
 
 from __future__ import annotations
@@ -58,13 +58,13 @@ def pair_stiffness(parameters: Parameters, radius: tuple[float, float], charge: 
 
 
 def stiffness_over_mass(parameters: Parameters) -> tuple[Array, Array]:
-    """The stiffness (N/m) and mass (kg) of each kind of float at its least favorable position."""
+    """The largest stiffness (N/m) of the forces on each kind of float, and its mass (kg)."""
     floats = parameters.floats
     kinds = distinct_rows(floats.radius, np.abs(floats.charge), floats.mass)
     # The strongest charge with the smallest or largest radius bounds all partners: a table of a thousand floats
     # requires two thousand evaluations.
     strongest, extremes = float(np.max(kinds[:, 1])), {float(np.min(kinds[:, 0])), float(np.max(kinds[:, 0]))}
-    # Pair forces relax by relative motion, which is not faster than that of single floats.
+    # Pair forces relax by relative motion, which is not faster than the motion of single floats.
     wall = collective_speed(parameters) * wall_stiffness(parameters)
     stiffness = [
         2.0
@@ -107,8 +107,8 @@ def longest_good_step(parameters: Parameters, speed: float) -> float:
 
 
 def attraction_speed(parameters: Parameters) -> float:
-    """The highest speed (m/s) of a float by the attraction of walls and of a raft of all others: against its drag, and
-    with inertia not more than the work of the force over a capillary length allows.
+    """The highest speed (m/s) of a float by the attraction of walls and of a raft of all other floats: limited by drag,
+    and with inertia by the work of the force over a capillary length.
     """
     floats, length = parameters.floats, float(parameters.pair[CAPILLARY_LENGTH])
     charge, area = np.abs(floats.charge), math.pi * float(np.sum(floats.radius**2)) / PACKED
@@ -122,7 +122,9 @@ def attraction_speed(parameters: Parameters) -> float:
 
 
 def raft_pull(parameters: Parameters, charge: Array, area: float) -> Array:
-    """The force of the pair law on each float at the edge of a raft of all floats that covers this area (N)."""
+    """The force (N) of the pair law on each float at the edge of a raft that contains all floats and covers this
+    area.
+    """
     row, law, floats = row_of(parameters), law_of(parameters), parameters.floats
     if row.raft_pull is not None:
         return np.asarray(row.raft_pull(charge, area, float(parameters.pair[CAPILLARY_LENGTH]), law))

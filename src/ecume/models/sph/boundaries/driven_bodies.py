@@ -1,11 +1,11 @@
 """Bodies that follow a prescribed path, whatever the forces on them: gates, pistons, flaps, stirrers, rolling tanks.
 
-A body is shifted by u and turned by the angle q about an axis a through a pivot P, which goes along. With w = q' a and
-the arm r of a point from the pivot, x = P + u + r, the point has the velocity u' + w x r and the acceleration
-u'' + q'' a x r + w x (w x r). The mass of such a body is infinite: collisions do not change its path.
+A body is displaced by u and rotated by the angle q about an axis a through a pivot P, which moves with the body. With w
+= q' a and the arm r of a point from the pivot, x = P + u + r, the point has the velocity u' + w x r and the
+acceleration u'' + q'' a x r + w x (w x r). The mass of such a body is infinite: collisions do not change its path.
 
-On the liquid it does the work -integral (F.v + T.w) dt, with the force F and the torque T of the liquid on it, by
-pressure, friction and repulsion.
+The body does the work -integral (F.v + T.w) dt on the liquid, where F and T are the force and the torque of the liquid
+on the body by pressure, friction and repulsion.
 """
 
 from __future__ import annotations
@@ -72,7 +72,7 @@ def power_of_driven_bodies(now: Parameters, state: State, workspace: Workspace) 
 
 
 def owners_of_driven(parameters: Parameters) -> Iterator[tuple[int, int]]:
-    """The driven bodies, and their places in `Boundary.names`."""
+    """The driven bodies, and their indices in `Boundary.names`."""
     first = len(parameters.boundary.names) - len(parameters.bodies.shapes)
     for body, _ in parameters.bodies.paths:
         yield body, first + body

@@ -79,15 +79,15 @@ def completed(fields: Floats, i: int, x: float, y: float, z: float) -> Vector:
 
 @compiled_inside
 def between(share: float, x: Vector, other: Vector) -> Vector:
-    """The linear interpolation between two vectors: x where the share is zero, the other one where it is one."""
+    """The linear interpolation from the vector x, where the share is zero, to the other one, where it is one."""
     (a, b, c), (d, e, f) = x, other
     return a + share * (d - a), b + share * (e - b), c + share * (f - c)
 
 
 @compiled_inside
 def completion(fields: Floats, i: int, j: int, apart: Vector) -> float:
-    """The factor x.(B_i + B_j) x / 2 of a pair, which is r^2 in full surroundings and larger where neighbors are
-    missing.
+    """The factor x.(B_i + B_j) x / 2 of a pair. It is r^2 where a particle has all its neighbors, and larger where
+    neighbors are missing.
     """
     x, y, z = apart
     (ax, ay, az), (bx, by, bz) = completed(fields, i, x, y, z), completed(fields, j, x, y, z)
@@ -96,7 +96,7 @@ def completion(fields: Floats, i: int, j: int, apart: Vector) -> float:
 
 @compiled_inside
 def _corrected(fields: Floats, i: int, j: int, apart: Vector, pair: tuple[float, float, float]) -> Vector:
-    """The pressure force with completed gradients; without them if one of the two is a dummy (see
+    """The pressure force with completed gradients, or without them if one of the particles is a dummy (see
     `corrections.pair_corrected_pressure`).
     """
     (weight, damp, spreading), liquid = pair, 1.0
@@ -151,7 +151,7 @@ def press(
     forces: PairForces,
     force: Array,
 ) -> None:
-    """Sum the forces on each of the columns `mine` by its neighbors in each group, (groups, 3, columns); a group of -1
+    """Sum the forces on each of the columns `mine` by its neighbors in each group, (groups, 3, columns); the group -1
     is ignored.
     """
     kernel, scale, inverse = constants[0].kernel, constants[0].slope_factor, constants[0].inverse_length
@@ -224,10 +224,10 @@ def forces_on_dummies(parameters: Parameters, workspace: Workspace, first: int) 
     n) each.
 
     The image of a particle behind a mirror acts on a dummy with the mirrored reaction to the force of the dummy's image
-    on the particle, so that the momentum of liquid, bodies and walls is conserved: from its own pressure it would
-    differ by the weight of the liquid between the two (2 % of the weight of a tank, with a body on its floor). The
-    component parallel to the mirror is a force on the dummy. The component normal to it acts on both and is balanced by
-    the mirror if the dummy is part of a body (see `BODY_AND_LIQUID`); an obstacle is fixed.
+    on the particle, so that the momentum of liquid, bodies and walls is conserved. A force from the pressure of the
+    dummy itself would differ by the weight of the liquid between the two (2 % of the weight of a tank, with a body on
+    its floor). The component parallel to the mirror is a force on the dummy. The component normal to it acts on both
+    and is balanced by the mirror if the dummy is part of a body (see `BODY_AND_LIQUID`); an obstacle is fixed.
     """
     images, real, liquid = workspace.images, len(workspace.lists.counts), workspace.rates.shape[1]
     mine, root = np.arange(liquid + first, real), roots_of(images, real)
@@ -243,7 +243,9 @@ def forces_on_dummies(parameters: Parameters, workspace: Workspace, first: int) 
 
 
 def _add_reflected(parameters: Parameters, workspace: Workspace, reflected: Integers, force: Array) -> None:
-    """Add the forces on the images of dummies, which are some of the images, to those on the last of the dummies."""
+    """Add the forces on the images of dummies, which are some of the images, to the forces on the dummies
+    themselves.
+    """
     images, real, liquid = workspace.images, len(workspace.lists.counts), workspace.rates.shape[1]
     near = np.unique(images.source[images.source < liquid])
     columns, group = real + reflected, np.zeros(workspace.fields.shape[1], np.int64)
@@ -259,7 +261,7 @@ def _add_reflected(parameters: Parameters, workspace: Workspace, reflected: Inte
 
 
 def reversed_lists(lists: Lists, rows: Integers, columns: Integers, size: int) -> Lists:
-    """For each of some columns, of `size` together, in which of these rows it is listed."""
+    """The reversed lists: for each of the `columns`, out of `size`, the given rows in whose list it occurs."""
     length = np.diff(lists.start)[rows]
     place = np.arange(int(length.sum())) + np.repeat(lists.start[rows] - np.cumsum(length) + length, length)
     mine, other = np.repeat(rows, length), lists.neighbor[place]
@@ -274,7 +276,7 @@ def reversed_lists(lists: Lists, rows: Integers, columns: Integers, size: int) -
 
 
 def _bits_of_mirrors(parameters: Parameters) -> int:
-    """The sides that mirror, as in `chains_of`."""
+    """The sides that are mirrors, as bits: see `chains_of`."""
     return sum(1 << int(side) for side in np.flatnonzero(parameters.boundary.sides.mirrors))
 
 
@@ -287,7 +289,7 @@ def total(force: Array, place: Array, center: Array) -> tuple[Array, Array]:
 
 def loads(parameters: Parameters, workspace: Workspace) -> Iterator[tuple[str, Array, Array]]:
     """Yield the name, the force and the torque of each wall, obstacle and body. Torques of walls are about the middle
-    of the tank, the others about the solid's own center.
+    of the tank, those of other solids about their center.
     """
     for number, load in loads_of(parameters, workspace, forces_on_dummies(parameters, workspace, 0)):
         yield parameters.boundary.names[number], *load
@@ -296,7 +298,9 @@ def loads(parameters: Parameters, workspace: Workspace) -> Iterator[tuple[str, A
 def loads_of(
     parameters: Parameters, workspace: Workspace, on_dummies: tuple[Array, Array]
 ) -> Iterator[tuple[int, tuple[Array, Array]]]:
-    """Yield the number, and the force and torque, of each of these, from forces on dummies and their places."""
+    """Yield the number, and the force and torque, of each wall, obstacle and body, from the forces on dummies and their
+    positions.
+    """
     boundary, (force, place), d = parameters.boundary, on_dummies, parameters.dimension
     mirrored, at = forces_of_images(parameters, workspace)
     for number in range(len(boundary.names)):
@@ -318,7 +322,7 @@ def forces_of_images(parameters: Parameters, workspace: Workspace) -> tuple[dict
     """The force of each mirror on the liquid in front of it, by side; and the indices of that
     liquid.
 
-    An image in a corner was mirrored by two or three sides; each of them has the component along its own normal.
+    An image in a corner was mirrored by two or three sides; each side receives the component along its normal.
     """
     images, boundary = workspace.images, parameters.boundary
     liquid, real = workspace.rates.shape[1], len(workspace.lists.counts)
@@ -342,8 +346,8 @@ def forces_of_images(parameters: Parameters, workspace: Workspace) -> tuple[dict
 
 
 def force_of_mirror(parameters: Parameters, workspace: Workspace, mine: Integers, what: tuple[int, int]) -> float:
-    """The force (N) of one mirror on some of the liquid along one axis, as in `forces_of_images`; `what` holds the side
-    of the mirror and the axis.
+    """The force (N) of one mirror on some of the liquid along one axis, as in `forces_of_images`; `what` contains the
+    side of the mirror and the axis.
     """
     images, owner, (side, axis) = workspace.images, parameters.boundary.image_owner, what
     real = len(workspace.lists.counts)
@@ -368,7 +372,7 @@ def roots_of(images: Images, real: int) -> Integers:
 
 
 def _crossed(owner: Integers, chain: int) -> set[int]:
-    """The axes that a chain of mirrors turns."""
+    """The axes that a chain of mirrors reverses."""
     found = set[int]()
     for bit, side in enumerate(owner):
         if chain >> bit & 1 and side >= 0:
@@ -387,8 +391,8 @@ def chains_of(images: Images, real: int) -> Integers:
 
 
 def _bearer(owner: Integers, chain: int, axis: int) -> int:
-    """The side on which a component of the force acts: the side normal to it, or else the last one; -1 if no wall is
-    among them.
+    """The side on which a component of the force acts: the side of the chain that is normal to it, or else the last
+    side; -1 if the chain contains no wall.
     """
     through = [int(side) for bit, side in enumerate(owner) if chain >> bit & 1 and side >= 0]
     return next((side for side in through if side // 2 == axis), through[-1] if through else -1)

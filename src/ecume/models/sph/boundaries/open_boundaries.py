@@ -67,7 +67,7 @@ def with_buffers(parameters: Parameters, state: State) -> State:
 
 
 def _rows(opening: OpenBoundary, spacing: float) -> tuple[Array, float]:
-    """The lattice of a buffer, row by row, and the volume of its cells, which fit the width of the opening."""
+    """The rows of the lattice of a buffer, and the volume of its cells, which fit the width of the opening."""
     axes, volume = [], 1.0
     for axis in range(len(opening.low)):
         places, widths = fitted_axis(opening.low[axis], opening.high[axis], spacing)
@@ -89,7 +89,7 @@ def _continued(opening: OpenBoundary, spacing: float, state: State) -> tuple[Arr
 
 
 def _with(state: State, born: dict[str, Array], zone: int) -> State:
-    """The state with additional particles, which get new numbers."""
+    """The state with additional particles, which have new numbers."""
     count = born["position"].shape[1]
     state.population[NEXT] += count
     born = {
@@ -120,7 +120,9 @@ def set_buffer_pressures(parameters: Parameters, state: State) -> None:
 def mean_head(
     density: Array, position: Array, zone: Integers, pull: Array, tait: Tait, axis: int, reach: tuple[float, float]
 ) -> float:
-    """The mean of enthalpy plus potential energy of the liquid between two positions on an axis; 0 without liquid."""
+    """The mean of enthalpy plus potential energy of the liquid between two positions on an axis; 0 without liquid
+    there.
+    """
     total, count = 0.0, 0
     for i in range(len(density)):
         x = position[axis, i]
@@ -136,7 +138,7 @@ def mean_head(
 def store_density(
     density: Array, position: Array, zone: Integers, pull: Array, tait: Tait, own: int, head: float
 ) -> None:
-    """Set the densities of a buffer's particles, hydrostatic under gravity."""
+    """Set the densities of the particles of a buffer to hydrostatic equilibrium under gravity."""
     for i in range(len(density)):
         if zone[i] == own:
             enthalpy = head
@@ -160,8 +162,8 @@ def exchange_due(parameters: Parameters, state: State) -> bool:
 
 
 def _crossings(parameters: Parameters, state: State) -> tuple[Integers, Integers, Integers, Any]:
-    """The particles that enter from a buffer, leave into one, and return from one; and flags of
-    those that are removed.
+    """The particles that enter from a buffer, leave into one, and return from one; and flags of the particles that are
+    removed.
     """
     low, high = parameters.bounds
     gone = ((state.position < low[:, None]) | (state.position > high[:, None])).any(axis=0)
@@ -176,13 +178,13 @@ def _crossings(parameters: Parameters, state: State) -> tuple[Integers, Integers
             out |= (state.zone == 0) & (away < 0.0)
             gone |= mine & (away < -length)
     if gone.all():
-        # A run needs at least one particle: the last ones stay.
+        # A run needs at least one particle, so the last ones are not removed.
         gone[:] = False
     return np.flatnonzero(comes), np.flatnonzero(out), np.flatnonzero(back), gone
 
 
 def exchange(parameters: Parameters, state: State) -> State:
-    """The state with the particles that enter and without those that leave; its lists must be renewed."""
+    """The state after particles entered and left; its lists must be renewed."""
     comes, out, back, gone = _crossings(parameters, state)
     enter, leave = np.zeros_like(gone), gone & (state.zone == 0)
     enter[comes], enter[back], leave[out] = True, True, True

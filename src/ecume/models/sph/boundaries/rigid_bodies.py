@@ -1,5 +1,4 @@
-"""Motion of solids: rigid bodies in the liquid, and sides, bodies and tanks whose motion is
-prescribed.
+"""Motion of solids: rigid bodies in the liquid, and sides, bodies and tanks with prescribed motion.
 
 Rigid bodies: the equations of motion, their dummy particles, and collisions. Quaternions are (w, x, y, z). Bodies
 collide with sides, obstacles and each other: impulses act at the deepest point of each contact, in sweeps over all
@@ -45,7 +44,7 @@ def rotations(pose: Array) -> Array:
 
 
 def placed(bodies: Bodies, dummies: Dummies, pose: Array, motion: Array) -> Dummies:
-    """The dummies, with those of bodies at their present positions and velocities."""
+    """The dummies, with the dummies of bodies at their present positions and velocities."""
     if not bodies.shapes:
         return dummies
     d, first = len(dummies.position), bodies.first
@@ -77,9 +76,9 @@ def apparent_gravity(bodies: Bodies, dummies: Dummies, state: tuple[Array, Array
 def delay(bodies: Bodies, density: float) -> Array:
     """(B,) the number of evaluations over which the acceleration that dummies use relaxes to that of their body.
 
-    Without relaxation, a body lighter than the liquid that its dummies accelerate is unstable: each change of its
-    acceleration causes a larger one. A body of a twentieth of the liquid's density diverged. The ratio of displaced
-    mass to body mass is an upper bound of the gain.
+    Without relaxation, a body is unstable if it is lighter than the liquid that its dummies accelerate: each change of
+    its acceleration causes a larger one. A body with a twentieth of the density of the liquid diverged. The ratio of
+    displaced mass to body mass is an upper bound of the gain.
     """
     volume = np.array([shape.volume() for shape in bodies.shapes])
     late: Array = LEAST_DELAY + ANSWERED * density * volume / bodies.mass
@@ -156,7 +155,7 @@ def largest_displacement(bodies: Bodies, pose: Array, reference: Array) -> float
 
 
 class Expelled(NamedTuple):
-    """What moving liquid out of bodies did."""
+    """The result of moving liquid out of bodies."""
 
     hits: int
     """the number of particles"""
@@ -267,7 +266,7 @@ def collide(bodies: Bodies, sheet: Sheet, state: tuple[Array, Array], calm: floa
 
 
 def _work_of_driven(bodies: Bodies, state: tuple[Array, Array], contact: Contact, impulse: Array) -> float:
-    """The work (J) of a body with a prescribed motion on the other one of a contact."""
+    """The work (J) of a body with a prescribed motion on the other body of a contact."""
     work = 0.0
     for body, sign in ((contact.body, -1.0), (contact.other, 1.0)):
         if body != NOTHING and math.isinf(bodies.mass[body]):
@@ -382,7 +381,9 @@ def _compliance(bodies: Bodies, body: int, pose: Array, arm: Array) -> Array:
 
 
 def drive_at(drive: Drive, time: float) -> tuple[Array, Array, Array]:
-    """The value of a drive and its first and second time derivative: of a sine, or of a piecewise linear table."""
+    """The value of a drive, and its first and second derivatives with respect to time; the drive is a sine or a
+    piecewise linear table.
+    """
     angle = drive.turning * time + drive.phase
     value = drive.amplitude * (math.sin(angle) + drive.start)
     rate = drive.amplitude * drive.turning * math.cos(angle)
@@ -401,7 +402,7 @@ def with_moved_solids(parameters: Parameters, state: State) -> Parameters:
 
 
 def at_reference(parameters: Parameters, state: State) -> Parameters:
-    """The parameters with all solids and sides at their positions when the lists were made."""
+    """The parameters with all solids and sides at the positions that they had when the lists were made."""
     return at(parameters, float(state.clock[1]), state.pose_reference, state.motion)
 
 
@@ -425,7 +426,7 @@ def at(parameters: Parameters, time: float, pose: Array, motion: Array) -> Param
 
 
 def _driven(boundary: Boundary, number: int, drive: tuple[Array, Array, Array]) -> Boundary:
-    """The boundary with one driven mirror, and the reflecting surface behind it, at the position of its drive."""
+    """The boundary with one driven mirror, and the reflecting surface behind it, at the position given by its drive."""
     value, rate, second = (float(part[0]) for part in drive)
     axis, d = number // 2, boundary.sides.normal.shape[1]
     row = boundary.image_owner == number

@@ -1,18 +1,18 @@
 """Forces of the liquid on obstacles and bodies that touch a wall or one another.
 
 Sums over pairs of particles give the total force on all solids together, but not the force on each of two solids that
-touch: around the contact a dummy has other dummies instead of liquid beside it, which exert no force, so that a disc on
-the floor was pulled down. There the force of the pressure on a solid is its surface integral,
+touch. Around the contact the neighbors of a dummy are other dummies instead of liquid and exert no force, so that a
+disc on the floor was pulled down. Near contacts the force of the pressure on a solid is therefore its surface integral,
 
 F = -sum_k p_k n_k A_k, p_k = sum_j w_kj [p_j + rho g.(x_k - x_j)] / sum_j w_kj,
 
 over panels k of its surface. The error is of first order in the spacing, and zero in liquid at rest apart from the
 discretization by panels [monaghan1994]. The weights are w_kj = V_j W_kj f_j^4, with the sum f_j of V W over the liquid
 around j, and a kernel with a support of one and a half supports. The factor f_j^4 suppresses single particles in a
-wedge, which have dummies instead of liquid around them and a pressure that may differ by the hydrostatic pressure of a
-third of a spacing; without it a disc on the floor, five particles across, lost 6 % of its weight. The excess of one
-solid over its pair sum is subtracted from the other one, so that the total stays that of the pairs. A gap too narrow
-for particles is wet, with the pressure of the nearest liquid, in front of what it faces. The face of an obstacle on a
+wedge. They have dummies instead of liquid around them, and a pressure error of up to the hydrostatic pressure of a
+third of a spacing; without the factor a disc on the floor, five particles across, lost 6 % of its weight. The excess of
+one solid over its pair sum is subtracted from the other one, so that the total stays that of the pairs. A gap that is
+too narrow for particles counts as wet, with the pressure of the nearest liquid. The face of an obstacle that lies on a
 wall is dry. The integral is blended out where the gap is between half a support and a whole one.
 """
 
@@ -98,8 +98,8 @@ def gaps_of(now: Parameters, solids: list[Solid], mine: Solid, points: Array) ->
 
 
 def _faces(now: Parameters, solids: list[Solid], mine: Solid, panels: tuple[Array, Array], gap: Array) -> Flags:
-    """Whether the nearby surface is in front of each panel, a point with a normal, within 60 degrees. For example, the
-    side of a block that is dry above the floor does not form a narrow gap with the floor.
+    """Flags of the panels, each a point with a normal, that face the nearby surface to within 60 degrees. For example,
+    the side of a block that is dry above the floor does not form a narrow gap with the floor.
     """
     step = PROBE * now.spacing
     ahead = gaps_of(now, solids, mine, panels[0] + step * panels[1])
@@ -108,8 +108,8 @@ def _faces(now: Parameters, solids: list[Solid], mine: Solid, panels: tuple[Arra
 
 
 def pressures_at(now: Parameters, state: State, workspace: Workspace, points: Array, narrow: Flags) -> Array:
-    """The pressures (N,) in Pa at points of a surface: zero where it is dry, and in narrow gaps that of the nearest
-    liquid.
+    """The pressures (N,) in Pa at points of a surface: zero where the surface is dry; in narrow gaps the pressure of
+    the nearest liquid.
     """
     count, fields = state.position.shape[1], workspace.fields
     reach, found = FAR * now.support, np.zeros(len(points))
@@ -158,7 +158,7 @@ def kernel_sums(points: Array, place: Array, values: Array, reach: float) -> tup
 def add_around(
     points: Array, sums: Array, nearest: Integers, values: Array, cells: Sorted, grid: Grid, reach: float
 ) -> None:
-    """`kernel_sums` of values in the order of cells; the nearest is a place in that order."""
+    """Add `kernel_sums` of values in the order of cells; `nearest` is an index in this order."""
     (low, edge, shape), start, place = grid, cells.start, cells.position
     dimension, inverse = len(low), 2.0 / reach  # the kernel's support is two of its lengths
     deep, last, farthest = dimension == 3, dimension - 1, reach * reach
@@ -205,7 +205,7 @@ def exchanged_loads(
     first = now.bodies.first if movers else 0
     for mine in solids:
         if (movers and not mine.moves) or isinstance(mine.shape, Hollow):
-            continue  # a basin bears what the solids in it leave: its own difference is of places far from them
+            continue  # The excess of a basin over its pair sum belongs to places far from the solids in it.
         local, normal, area = mine.panels
         points = mine.middle + product(local, mine.turn.T)
         gaps = gaps_of(now, solids, mine, points)
@@ -243,10 +243,13 @@ def exchanged_loads(
 def _along_walls(
     now: Parameters, mine: Solid, least: dict[int, float], on_dummies: Forces
 ) -> Iterator[tuple[int, Load]]:
-    """Yield the loads that move half of what dummies of a wall bear along it near a solid to the wall across it, if the
-    solid touches both, since the solid has the force of its surface integral alone. Where liquid ends on a wall,
-    the force of pairs along it is twice the force that pairs across any other section of the liquid transmit to the
-    wall: half of it acts between parts of the wall. In a corner of the tank it is on the dummies there (`bearer`).
+    """Yield the loads that correct the forces along walls near a solid that touches two walls. Half of the force on the
+    dummies of a wall along this wall is moved to the wall across it.
+
+    Where liquid ends on a wall, the force of pairs
+    along the wall is twice the force that pairs across any other section of the liquid transmit to the wall: half of it
+    acts between parts of the wall. In a corner of the tank it acts on the dummies there (`bearer`). The solid itself
+    has the force of its surface integral alone.
     """
     boundary, (force, place) = now.boundary, on_dummies
     sides = {owner: _share(now, gap) for owner, gap in least.items() if owner < 2 * now.dimension}
@@ -270,8 +273,8 @@ def _along_walls(
 
 def _shared(now: Parameters, mine: Solid, least: dict[int, float], more: Load) -> Iterator[tuple[int, Load]]:
     """Yield the additional loads of a solid and of its neighbors, which add up to zero: see `_portions`. Each of two
-    solids gets half of the difference that it has and half of the other's. Neighbors are the walls in reach, and the
-    nearest solid: another one may hang in the air.
+    solids gets half of its own difference, and the opposite of half of the other's. Neighbors are the walls in reach,
+    and the nearest solid, since a more distant solid may not touch anything.
     """
     centers, (force, torque) = now.boundary.centers, more
     nearest = min((gap for owner, gap in least.items() if owner >= 2 * now.dimension), default=np.inf)
@@ -291,13 +294,13 @@ def _shared(now: Parameters, mine: Solid, least: dict[int, float], more: Load) -
 
 
 def _share(now: Parameters, gap: float) -> float:
-    """The weight of the integral at this least gap: one up to half a support, zero from a whole one."""
+    """The weight of the integral at a smallest gap: one up to half a support, zero from a whole support on."""
     return min(1.0, max(0.0, 2.0 - 2.0 * gap / now.support))
 
 
 def _portions(now: Parameters, weight: dict[int, float], axis: int) -> list[float]:
-    """The part of a force along an axis that is exchanged with each neighbor: with walls across the axis as far as the
-    solid touches one, and the rest with all.
+    """The part of a force along an axis that is exchanged with each neighbor: with walls across the axis in proportion
+    to the contact of the solid with them, and the remainder with all neighbors.
     """
     across = [share * (owner < 2 * now.dimension and owner // 2 == axis) for owner, share in weight.items()]
     most, total_across, whole = max(across), sum(across) or 1.0, sum(weight.values())

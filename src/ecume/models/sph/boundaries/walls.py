@@ -1,21 +1,21 @@
 """Walls and obstacles: reflection of particles that cross a surface, repulsion of those too close, and impacts.
 
-Reflection (the guard): a particle that is outside after a drift repeats its path through `ecume.engine.walls`: the
-first surface hit, the rest of the step, the next surface, and so on. In a smooth flow this does not occur; the hits are
-counted. With walls = "reflect" nothing else confines the liquid.
+Reflection (`Guard`): for a particle that is outside after a drift, `ecume.engine.walls` repeats the path, with a
+reflection at each surface hit. In a smooth flow this does not occur; the hits are counted. With walls = "reflect" only
+reflection confines the liquid.
 
 Repulsion: a particle closer than a tenth of a spacing to a wall, an obstacle or a body is accelerated away from it.
 Images and dummies exert no pressure where a particle coincides with its image, and the density from the equation of
-continuity keeps no memory of how close a thin layer is. Without repulsion, a layer of one particle would rest on the
-guard.
+continuity does not depend on the distance of a thin layer. Without repulsion, a single layer of particles would rest on
+the reflecting surface.
 
-Particles that come into an obstacle which is no box, ball or convex polygon are moved to the nearest point of its
+Particles that enter an obstacle other than a box, a ball or a convex polygon are moved to the nearest point of its
 surface, as at bodies; such obstacles do not brake impacts.
 
 Impacts: liquid that approaches a wall or an obstacle is braked by the dissipation of the Riemann problem at the wall,
 summed over the half-space behind it, which depends on the distance alone. Images complete the sums of liquid that
 surrounds a particle; the first particles of a jet have few neighbors and therefore few images, which would brake them
-too late, in a water hammer. Full tanks have no impacts, and incompressible liquids no water hammer.
+too late and cause a water hammer. Full tanks have no impacts, and incompressible liquids no water hammer.
 """
 
 from __future__ import annotations
@@ -86,7 +86,7 @@ def reflect_particles(guard: Guard, position: Array, velocity: Array, transport:
         return found
     before = velocity[:, out] + transport[:, out]
     x = np.ascontiguousarray((position[:, out] - time * before).T)
-    v = before.T.copy()  # always a copy: selected columns may have the other memory order
+    v = before.T.copy()  # always a copy, since selected columns may be stored in the other order
     status = np.zeros(len(x), np.int64)
     tally = (np.zeros_like(status), status, hits)
     earlier = _as_before(guard.sheet, time)
@@ -102,7 +102,7 @@ def reflect_particles(guard: Guard, position: Array, velocity: Array, transport:
 
 def impulses(guard: Guard, met: Reflected) -> list[Repelled]:
     """The velocity changes by each wall or obstacle, as accelerations over one second. In a corner of the tank each
-    side gets the component along its normal.
+    side receives the component along its normal.
     """
     kind, number, d = guard.sheet.kind, guard.sheet.number, len(met.outside)
     deep = np.zeros((3, len(met.who)))
@@ -147,7 +147,7 @@ def _as_before(packed: Sheet, time: float) -> Sheet:
 
 
 def _move_inside(guard: Guard, x: Array, v: Array, hits: Integers) -> None:
-    """Move particles that started outside, because a wall moved over them, onto the wall, and stop their approach."""
+    """Move particles that started outside, because a wall moved past them, onto the wall, and stop their approach."""
     kind, number = guard.sheet.kind, guard.sheet.number
     for _ in range(4):
         here = (x[0], x[1], x[2] if len(x) == 3 else 0.0)
@@ -188,9 +188,9 @@ RESOLVED = 0.5
 
 
 def speed_of(parameters: Parameters) -> float:
-    """The approach velocity (m/s) that the repulsion just stops; of two liquids, it suffices for the one with faster
-    sound. Incompressible liquids take long steps, which resolve a weaker repulsion than the flow's speed requires; the
-    guard stops faster particles.
+    """The approach velocity (m/s) that the repulsion just stops; of two liquids, the speed for the one with the higher
+    speed of sound. Incompressible liquids take long time steps, which resolve only a weaker repulsion than the speed of
+    the flow requires; reflection then stops faster particles.
     """
     reach = parameters.boundary.guard.reach
     sound = max(liquid.sound_speed for liquid in parameters.materials)
@@ -214,12 +214,12 @@ def repel_from_drawn(parameters: Parameters, state: State) -> None:
 
 
 def drawn_owner(parameters: Parameters, number: int) -> int:
-    """The place of an obstacle in `Boundary.names`."""
+    """The index of an obstacle in `Boundary.names`."""
     return 2 * parameters.dimension + number
 
 
 def repelled_by_drawn(parameters: Parameters, state: State, number: int) -> Repelled:
-    """Particles repelled by an obstacle without surfaces in the guard."""
+    """Particles repelled by an obstacle without reflecting surfaces."""
     reach = parameters.boundary.guard.reach
     near, gap, normal = close_to(parameters, state, number, reach)
     acceleration = [wall_forces.standoff_push(own, reach, speed_of(parameters)) for own in gap]
@@ -227,7 +227,7 @@ def repelled_by_drawn(parameters: Parameters, state: State, number: int) -> Repe
 
 
 def close_to(parameters: Parameters, state: State, number: int, reach: float) -> tuple[Integers, Array, Array]:
-    """The particles less than `reach` outside of an obstacle: their indices, gaps, and the normals there (n, d)."""
+    """The particles outside an obstacle at less than `reach`: their indices, gaps, and the normals there (n, d)."""
     shape = parameters.bodies.obstacles[number]
     low, high = shape.bounds()
     position = state.position.T
@@ -238,7 +238,7 @@ def close_to(parameters: Parameters, state: State, number: int, reach: float) ->
 
 
 def expel_from_drawn(parameters: Parameters, state: State) -> None:
-    """Move liquid in drawn obstacles to their surfaces, stop its approach, and count it."""
+    """Move liquid inside drawn obstacles to their surfaces, stop its approach, and count the particles."""
     guard = parameters.boundary.guard
     for number in parameters.bodies.drawn:
         inside, gap, normal = close_to(parameters, state, number, guard.radius)
@@ -253,7 +253,7 @@ def expel_from_drawn(parameters: Parameters, state: State) -> None:
 
 
 def repel_from_bodies(parameters: Parameters, state: State) -> tuple[Array, Array]:
-    """Add the repulsion by bodies; returns the opposite force and torque on each body, (B, 3)."""
+    """Add the repulsion by bodies; return the opposite force and torque on each body, (B, 3)."""
     bodies = len(parameters.bodies.shapes)
     force, torque = np.zeros((bodies, 3)), np.zeros((bodies, 3))
     first = len(parameters.boundary.names) - bodies

@@ -40,8 +40,8 @@ def advance_density(density: Array, density_rate: Array, time: float) -> None:
 def predict(
     velocity: Array, acceleration: Array, density: Array, density_rate: Array, before: Array, time: float
 ) -> None:
-    """Predict densities and velocities (which are half a step ahead already) with the present rates, and copy these to
-    `before`.
+    """Predict densities and velocities with the present rates, and copy the rates to `before`. The velocities are
+    already half a step ahead.
     """
     dimension, count = velocity.shape
     for i in prange(count):
@@ -65,7 +65,7 @@ def correct(
 
 
 def largest(vectors: Array) -> float:
-    """The largest length of the columns; NaN or infinite if any column is."""
+    """The largest length of the columns; not finite if any column is not."""
     most = np.zeros(BLOCKS)
     largest_squares(vectors, most)
     return math.sqrt(most.max())
@@ -88,7 +88,7 @@ def largest_squares(vectors: Array, most: Array) -> None:
 
 
 def farthest(position: Array, reference: Array) -> float:
-    """The largest displacement from the reference; NaN or infinite if any position is."""
+    """The largest displacement from the reference; not finite if any position is not."""
     most = np.zeros(BLOCKS)
     farthest_squares(position, reference, most)
     return math.sqrt(most.max())
@@ -113,5 +113,5 @@ def farthest_squares(position: Array, reference: Array, most: Array) -> None:
 
 @compiled_inside
 def larger_or_nowhere(found: float, total: float) -> float:
-    """The largest of some squares, or their sum if it is not finite: comparisons with NaN would lose it."""
+    """The largest of some squares, or their sum if it is not finite, since comparisons ignore NaN."""
     return found if total < math.inf else total

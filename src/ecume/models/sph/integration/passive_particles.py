@@ -1,9 +1,9 @@
 """Passive particles, which the liquid carries without reaction: tracers, and grains with drag,
 weight and buoyancy.
 
-The velocity of the liquid is the Shepard mean over the particles around; outside of the liquid a grain falls freely.
-The equation of motion of grains is integrated exactly for the drag coefficient at the start of the step, with an added
-mass of half the displaced liquid. The force of the pressure gradient is limited to its hydrostatic part (buoyancy).
+The velocity of the liquid is the Shepard mean over nearby particles; outside the liquid a grain falls freely. The
+equation of motion of grains is integrated exactly for the drag coefficient at the start of the step, with an added mass
+of half the displaced liquid. The force of the pressure gradient is limited to its hydrostatic part (buoyancy).
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ INSIDE = 0.5
 
 
 class Surroundings(NamedTuple):
-    """The liquid around each of C places."""
+    """The state of the liquid around each of C positions."""
 
     fraction: Array
     """(C,) the kernel's sum over the liquid, relative to full surroundings"""
@@ -138,7 +138,7 @@ def look_around(
 
 @compiled_inside
 def rate_of(speed: float, radius: float, mass: float, liquid: tuple[float, float]) -> float:
-    """The ratio of drag to momentum (1/s), by Schiller and Naumann."""
+    """The ratio of drag to momentum (1/s) by Schiller and Naumann."""
     density, viscosity = liquid
     if viscosity <= 0.0:
         return 0.0

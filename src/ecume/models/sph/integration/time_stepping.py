@@ -78,7 +78,7 @@ CALM = 0.01
 def advance(parameters: Parameters, state: State, workspace: Workspace, steps: int) -> int:
     """Integrate over this number of steps; each is divided if speeds or forces require it."""
     step = INTEGRATORS[parameters.integrator]
-    # A particle with a NaN position has no neighbors, so that the error would stay undetected.
+    # A particle with a NaN position has no neighbors, so the error would not be detected later.
     if not np.isfinite(state.position).all():
         return DIVERGED
     status, crossed = DONE, bool(parameters.open_boundaries) or bool(np.isfinite(parameters.bounds).any())
@@ -107,7 +107,7 @@ def advance(parameters: Parameters, state: State, workspace: Workspace, steps: i
         if crossed and exchange_due(parameters, state):
             status = EXCHANGE
             break
-    # A state that the last step made invalid must not be recorded.
+    # A state that became invalid in the last step must not be recorded.
     return status if divisions_needed(parameters, state) <= MOST_DIVISIONS else DIVERGED
 
 
@@ -144,8 +144,9 @@ def symplectic_step(parameters: Parameters, state: State, workspace: Workspace, 
 
 
 def verlet_step(parameters: Parameters, state: State, workspace: Workspace, time: float) -> None:
-    """Velocity Verlet with one evaluation per step, at the new positions and at predicted velocities and densities;
-    then a correction by the mean of both rates. Pressure at densities half a step behind would amplify sound waves.
+    """Velocity Verlet with one evaluation per step, at the new positions and at predicted velocities and densities,
+    followed by a correction with the mean of both rates. A pressure from densities half a step earlier would amplify
+    sound waves.
     """
     if not state.ready[0]:
         renew(parameters, state, workspace)
@@ -166,9 +167,9 @@ def verlet_step(parameters: Parameters, state: State, workspace: Workspace, time
 
 
 def projection_step(parameters: Parameters, state: State, workspace: Workspace, time: float) -> None:
-    """Kick by all forces but the pressure, kick by the pressure that keeps the density, drift: the symplectic Euler
-    scheme (Ihmsen et al. 2014, algorithm 1; Bender and Koschier 2015). The drift is divided if one shift of the
-    particles would overshoot. [ihmsen2014, bender2015]
+    """Kick by all forces except the pressure, kick by the pressure that conserves the density, drift: the symplectic
+    Euler scheme (Ihmsen et al. 2014, algorithm 1; Bender and Koschier 2015). The drift is divided if a single shift of
+    the particles would overshoot. [ihmsen2014, bender2015]
     """
     if not state.ready[0]:
         renew(parameters, state, workspace)
@@ -236,8 +237,8 @@ def displacement_of_solids(parameters: Parameters, state: State) -> float:
 
 
 def renew(parameters: Parameters, state: State, workspace: Workspace) -> None:
-    """Renew the lists at the present positions, wrapped at periodic sides; at regular intervals sort the particles into
-    cells before.
+    """Renew the lists at the present positions, after moving particles across periodic sides; at regular intervals,
+    sort the particles into cells first.
     """
     wrap(parameters, state)
     if int(state.tally[RENEWALS]) % SORT_EVERY == 0:

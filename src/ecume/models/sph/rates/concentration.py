@@ -1,5 +1,5 @@
-"""The gradient of the particle concentration, for particle shifting, and the number of neighbors relative to full
-surroundings.
+"""The gradient of the particle concentration, for particle shifting, and the fullness of the neighborhood of a
+particle.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ class ConcentrationSums(NamedTuple):
 
 @summed_inside
 def concentration_settings(numbers: Numbers, settings: Any, like: Vector) -> Any:
-    """The inverse of the kernel's value at one spacing (zero for equal weights), and constants of the kernel."""
+    """The inverse of the value of the kernel at one spacing (zero for equal weights), and constants of the kernel."""
     zero, reference = numbers.zero, numbers.reference_value
     inverse = zero if reference <= zero else 1.0 / reference
     return zero + inverse, numbers.kernel, numbers.inverse_length, zero, numbers.slope_factor
@@ -45,8 +45,8 @@ def pair_concentration(
     total: ConcentrationSums, apart: Vector, slope: float, own: Particle, other: Particle, given: Any
 ) -> ConcentrationSums:
     """The sums with the terms of a pair: the fullness -sum_j V_j F r^2; the reversed concentration gradient sum_j V_j F
-    x_ij, weighted by `tensile_weight`, which vanishes in a lattice; and the same with equal weights, in which dummies
-    count half (see `correct_for_spreading`).
+    x_ij, weighted by `tensile_weight`, which vanishes in a lattice; and this gradient with equal weights, in which
+    dummies count half (see `correct_for_spreading`).
     """
     tensile, kernel, inverse, zero, _ = given
     square, pull = dot(apart, apart), slope * math.fabs(other.weight)

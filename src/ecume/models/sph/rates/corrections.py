@@ -10,15 +10,15 @@ the divergence is exact for linear velocities, and the force is its adjoint, so 
 (Bonet and Lok, Comput. Methods Appl. Mech. Eng. 180 (1999) 97). A dummy has no such matrix, and pairs with one are not
 corrected. [bonet1999]
 
-The force of a uniform pressure is then zero in the first order at a surface, too, so that nothing spreads particles
-evenly there, and a density that is integrated with completed gradients is no function of the positions: disordered rows
-below a surface move in cycles after which they are closer together at the same density, and what falls drives them. So
-a part of the pressure, p_s = rho g times a spacing with the strongest pull g at the start, is not completed:
+The force of a uniform pressure is then zero in first order at a surface, too, so that no force spreads particles evenly
+there. A density that is integrated with completed gradients is not a function of the positions: disordered rows below a
+surface, driven by their weight, move in cycles after which they are closer together at the same density. Therefore a
+part of the pressure, p_s = rho g times a spacing with the largest initial acceleration g, is not completed:
 
     F_i = -sum_j V_i V_j [(p_i - p_s) B_i + (p_j - p_s) B_j + 2 p_s] grad W.
 
-That part is the slope of the energy p_s [sum_i sum_j V_i V_j W_ij + sum_i V_i] (`spreading_energy`), which is constant
-in the interior.
+This part is the gradient of the energy p_s [sum_i sum_j V_i V_j W_ij + sum_i V_i] (`spreading_energy`), which is
+constant in the interior.
 
 The rate at which damped sound decays in a lattice grows with the square of B: by a factor of 4 in the first row below a
 flat surface, and up to 25 in drops of a few particles. Drops are not corrected (`kernels.correction_share`), and the
@@ -84,7 +84,7 @@ def given_scale(numbers: Numbers, settings: Any, like: Vector) -> tuple[float, f
 
 @summed_inside
 def no_matrix(zero: float, like: Vector) -> Symmetric:
-    """An empty sum of matrices."""
+    """The empty sum of matrices."""
     found: Symmetric = zero_matrix(zero, like)
     return found
 
@@ -102,7 +102,7 @@ def pair_matrix(
 def store_correction(
     rates: Floats, fields: Floats, i: int, total: Symmetric, own: Particle, given: tuple[float, float]
 ) -> None:  # fmt: skip
-    """Store 1 + s (B - 1) with the share s of `kernels.correction_share`."""
+    """Store the correction matrix 1 + s (B - 1) with the share s of `kernels.correction_share`."""
     missing = kernels.missing_neighbors(trace(total), given[1])
     inverse, determinant = adjugate(total)
     share, inverted = 0.0, 1.0
@@ -151,7 +151,7 @@ CORRECTIONS = neighbor_sum(Reading(weight=FIELD.volume), given_scale, no_matrix,
 
 
 def completion_factors(fields: Fields, count: int) -> Array:
-    """(N,) `kernels.completion_factor` of the first particles."""
+    """The factors (N,) `kernels.completion_factor` of the first particles."""
     matrix = fields.correction[:, :count].astype(np.float64)
     off = ((matrix[:3] - 1.0) ** 2).sum(axis=0) + 2.0 * (matrix[3:] ** 2).sum(axis=0)
     factors: Array = 1.0 + np.sqrt(off)
@@ -173,7 +173,7 @@ matrix_of = by_dimension(_matrix2, _matrix3)
 
 @summed_inside
 def completed(of: Particle, apart: Vector) -> Vector:
-    """B x with the matrix of a particle; x itself for a dummy, whose matrix is one."""
+    """The vector B x with the matrix of a particle; x itself for a dummy, whose matrix is the unit matrix."""
     found: Vector = times(matrix_of(of, apart), apart)
     return found
 
@@ -182,7 +182,7 @@ def completed(of: Particle, apart: Vector) -> Vector:
 def pair_corrected_continuity(
     total: tuple[float, float], apart: Vector, slope: float, own: Particle, other: Particle, given: Any
 ) -> tuple[float, float]:
-    """Continuity by (v_j - v_i).B_i x_ij, and the diffusion of `sums.pair_continuity`."""
+    """The sums of continuity by (v_j - v_i).B_i x_ij, and of the diffusion of `sums.pair_continuity`."""
     (rise, _, zero, _), (stretching, flow) = given, total
     change, liquid = difference(other.vector, own.vector), max(other.weight, zero)
     radial = dot(change, completed(own, apart)) if other.weight > zero else dot(change, apart)
@@ -202,7 +202,9 @@ def given_corrected_pressure(numbers: Numbers, settings: Any, like: Vector) -> A
 def pair_corrected_pressure(
     total: Vector, apart: Vector, slope: float, own: Particle, other: Particle, given: Any
 ) -> Vector:
-    """Pressure by (p_i - p_s) B_i + (p_j - p_s) B_j + 2 p_s, and the artificial viscosity of `sums.pair_pressure`."""
+    """The pressure force by (p_i - p_s) B_i + (p_j - p_s) B_j + 2 p_s, with the artificial viscosity of
+    `sums.pair_pressure`.
+    """
     damper, zero, spreading, _ = given
     damp = damping(dot(difference(other.vector, own.vector), apart), dot(apart, apart), damper)
     pull = slope * abs(other.weight)
@@ -219,14 +221,14 @@ def pair_corrected_pressure(
 
 @summed_inside
 def completion(own: Particle, other: Particle, apart: Vector) -> float:
-    """x.(B_i + B_j) x of a pair: 2 r^2 times its weight for the missing friction."""
+    """The factor x.(B_i + B_j) x of a pair: 2 r^2 times the weight that replaces missing friction."""
     found: float = dot(completed(own, apart), apart) + dot(completed(other, apart), apart)
     return found
 
 
 @summed_inside
 def given_corrected_friction(numbers: Numbers, settings: Any, like: Vector) -> tuple[float, float]:
-    """The least distance squared, and factors: half of those of `sums.given_radial_friction`."""
+    """The smallest squared distance, and factors: half of those of `sums.given_radial_friction`."""
     return numbers.softening, 0.5 * numbers.slope_factor * (numbers.dimension + 2)
 
 

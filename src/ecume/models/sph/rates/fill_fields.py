@@ -1,8 +1,8 @@
 """Filling the tables that sums read: the entries of the liquid, of its images, and of the dummies
 of walls and bodies.
 
-Dummies take pressure and velocity from the liquid before them: Adami, Hu and Adams, J. Comput. Phys. 231 (2012) 7057,
-eqs. 22, 23 and 27. [adami2012]
+Pressure and velocity of dummies are interpolated from the liquid in front of them: Adami, Hu and Adams, J. Comput.
+Phys. 231 (2012) 7057, eqs. 22, 23 and 27. [adami2012]
 """
 
 from __future__ import annotations
@@ -54,7 +54,7 @@ def constant_at_enthalpy(enthalpy: float, liquid: ConstantDensity) -> tuple[floa
 
 @compiled_inside
 def the_liquid(kind: float, liquid: Liquid) -> Liquid:
-    """The liquid of a tank that has no other."""
+    """The only liquid of a tank."""
     return liquid
 
 
@@ -105,10 +105,10 @@ def fill_liquid(
 def fill_images(
     source: Integers, fields: Floats, first: int, start: Integers, sides: Array, pull: Array, liquid: EquationOfState
 ) -> None:
-    """Images, side by side in order: an image may be the source of another.
+    """Fill the images, side by side in order, since the source of an image may be an image of an earlier side.
 
-    `sides` is (sides, 4 d + 2): point, normal, shift (of a periodic side) or velocity (of a mirror); whether it
-    mirrors; whether it holds the liquid (no slip); acceleration.
+    `sides` is (sides, 4 d + 2): point, normal, shift (of a periodic side) or velocity (of a mirror); whether it is a
+    mirror; whether it has no slip; acceleration.
     """
     dimension = len(pull)
     for side in range(len(start) - 1):
@@ -131,7 +131,8 @@ def _shift(fields: Floats, i: int, image: int, side: Array, dimension: int) -> N
 @inlined
 def _mirror(fields: Floats, i: int, image: int, side: Array, holds: bool, pull: Array, liquid: EquationOfState) -> None:
     """Fill the entries of a mirrored particle. Its enthalpy is that of its source plus the hydrostatic difference. For
-    friction, a no-slip wall reverses the whole velocity; for the equation of continuity, only the normal component.
+    friction, a no-slip wall reverses the whole velocity; for the equation of continuity, only the normal component is
+    reversed.
     """
     dimension, mine = len(pull), liquid_at(fields[FIELD.kind, i], liquid)
     c0, rho0 = mine.sound_speed, mine.density
@@ -150,7 +151,7 @@ def _mirror(fields: Floats, i: int, image: int, side: Array, holds: bool, pull: 
         fields[FIELD.transport + axis, image] = fields[FIELD.transport + axis, i] - 2.0 * drift * normal
         turned = 2.0 * side[2 * dimension + axis] - fields[FIELD.friction_velocity + axis, i]
         fields[FIELD.friction_velocity + axis, image] = turned if holds else fields[FIELD.velocity + axis, image]
-        # The hydrostatic part continues through the wall, the rest is mirrored.
+        # The hydrostatic part continues through the wall; the remainder is mirrored.
         fields[FIELD.density_gradient + axis, image] = (
             fields[FIELD.density_gradient + axis, i] - 2.0 * (steep - rho0 / (c0 * c0) * pull_through) * normal
         )
@@ -171,7 +172,9 @@ def _mirror(fields: Floats, i: int, image: int, side: Array, holds: bool, pull: 
 
 @inlined
 def _mirror_correction(fields: Floats, i: int, image: int, side: Array, dimension: int) -> None:
-    """Mirror the matrix of a particle at a side across an axis: components that have this axis once change sign."""
+    """Mirror the matrix of a particle at a side across an axis: components with one index along this axis change
+    sign.
+    """
     across_x, across_y, across_z = math.fabs(side[dimension]), math.fabs(side[dimension + 1]), 0.0
     if dimension > 2:
         across_z = math.fabs(side[dimension + 2])
@@ -208,9 +211,9 @@ def read_liquid(
 ) -> None:
     """Fill the columns of dummies, from `first` on, by interpolation from the liquid in their rows.
 
-    A dummy has the mean damping of the liquid before it: with none, water in a narrow gap between dummies did not come
-    to rest. Their positions, wall velocities and slip (their viscosity is zero on slippery walls) are set already.
-    `pull` is (d, dummies): gravity less each one's own acceleration (eq. 27).
+    A dummy has the mean damping of the liquid in front of it; without damping, water in a narrow gap between dummies
+    did not come to rest. Their positions, wall velocities and slip (their viscosity is zero on slippery walls) are set
+    already. `pull` is (d, dummies): gravity less each one's own acceleration (eq. 27).
     """
     kernel, dimension, inverse = constants[0].kernel, len(pull), 1.0 / constants[0].smoothing_length
     counts, start, neighbor = lists
@@ -239,7 +242,7 @@ def read_liquid(
 
 
 def read_from_sources(field: Floats, images: Images, real: int) -> None:
-    """Give the images, which follow the `real` particles, the values of their sources; a source may be an image."""
+    """Copy the values of their sources to the images, which follow the `real` particles; a source may be an image."""
     for first, last in itertools.pairwise(images.start):
         field[real + first : real + last] = field[images.source[first:last]]
 

@@ -1,12 +1,12 @@
-"""Renormalized gradients, exact for linear fields, also at a free surface; and the viscosity that follows from that of
-the velocity.
+"""Renormalized gradients, which are exact for linear fields also at a free surface, and the viscosity that depends on
+the velocity gradient.
 
 sum_j V_j F (A_j - A_i) x_ij = B grad A with B = sum_j V_j F x_ij x_ij (minus the unit matrix in full surroundings);
 Randles and Libersky, Comput. Methods Appl. Mech. Eng. 139 (1996) 375. [randles1996]
 
-The gradient of the density corrects the density diffusion; that of the velocity gives the rate of strain. The
-viscosity of a liquid that thins or yields depends on it, and that of eddies smaller than a particle (Smagorinsky),
-which is added to that of the liquid.
+The gradient of the density corrects the density diffusion; that of the velocity gives the rate of strain. The viscosity
+of shear-thinning and yield-stress liquids depends on it, as does the eddy viscosity below the particle size
+(Smagorinsky), which is added to the viscosity of the liquid.
 """
 
 from __future__ import annotations
@@ -96,7 +96,7 @@ def given_gradient_diffusion(numbers: Numbers, settings: Any, like: Vector) -> t
 
 @summed_inside
 def no_number(zero: float, like: Vector) -> float:
-    """An empty sum of numbers."""
+    """The empty sum of numbers."""
     return zero
 
 
@@ -104,8 +104,8 @@ def no_number(zero: float, like: Vector) -> float:
 def pair_gradient_diffusion(
     total: float, apart: Vector, slope: float, own: Particle, other: Particle, given: tuple[float, float]
 ) -> float:
-    """The sum with the term of a pair: minus the difference that the mean density gradient of both implies; dummies do
-    not contribute.
+    """The sum with the term of a pair: minus the difference that follows from the mean density gradient of both
+    particles; dummies do not contribute.
     """
     zero = given[0]
     rise = density_diffusion.mean_rise(dot(own.vector, apart), dot(other.vector, apart))
@@ -118,7 +118,7 @@ def pair_gradient_diffusion(
 def add_diffusion(
     rates: Floats, fields: Floats, i: int, total: float, own: Particle, given: tuple[float, float]
 ) -> None:  # fmt: skip
-    """Add to the diffusion."""
+    """Add the sum to the diffusion."""
     rates[RATE.diffusion, i] += given[1] * total
 
 
@@ -134,8 +134,8 @@ LEAST = 1e-30
 
 
 def set_viscosity(parameters: Parameters, workspace: Workspace) -> None:
-    """Set the viscosity of the liquid and its images by the rate of strain; that of walls which hold the liquid is the
-    mean of the liquid before them.
+    """Set the viscosity of the liquid and its images according to the rate of strain; walls without slip have the mean
+    viscosity of the liquid in front of them.
     """
     fields, lists, images = workspace.fields, workspace.lists, workspace.images
     count, real, dummies = workspace.rates.shape[1], len(lists.counts), parameters.boundary.dummies
@@ -155,7 +155,7 @@ def _strain_settings(parameters: Parameters) -> tuple[float, ...]:
 
 
 class Strain2(NamedTuple):
-    """The matrix of positions, and the right-hand sides of the gradients of u and v."""
+    """In 2D, the matrix of positions, and the right-hand sides of the gradients of u and v."""
 
     matrix: Any
     u: Any
@@ -163,7 +163,7 @@ class Strain2(NamedTuple):
 
 
 class Strain3(NamedTuple):
-    """The same with the gradient of w, for 3D."""
+    """In 3D, the matrix of positions, and the right-hand sides of the gradients of u, v and w."""
 
     matrix: Any
     u: Any
@@ -252,7 +252,7 @@ def pair_strain(total: Any, apart: Vector, slope: float, own: Particle, other: P
 
 @summed_inside
 def store_viscosity(rates: Floats, fields: Floats, i: int, total: Any, own: Particle, given: ByStrain) -> None:
-    """Store the viscosity of the liquid with that of the eddies."""
+    """Store the viscosity of the liquid plus the eddy viscosity."""
     strain = strain_rate(total, own.vector)
     liquid = yield_stress.apparent_viscosity(
         strain, given.consistency, given.exponent, given.yield_stress, given.largest

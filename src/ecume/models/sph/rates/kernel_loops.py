@@ -1,11 +1,11 @@
 """The kernels in compiled loops, by their numbers in `ecume.laws.kernels.KERNEL_CODES`.
 
 `slope_of(q, kernel)` is f'(q)/q and `value_of(q, kernel)` is f(q). Both are made from the table `KERNELS`, one branch
-for each row, so that no kernel can be missing. They do not test for numbers that no kernel has: `require_kernel` does,
-before any loop runs.
+for each row, so that no kernel can be missing. They do not test for invalid numbers; `require_kernel` does so before
+any loop runs.
 
-`written_slope(q, kernel)` is for loops that are compiled once for each kernel in `WRITTEN`, whose formula then stands
-in the loop, and once for all others. The type of `kernel` says which: see `kernel_type`.
+`written_slope(q, kernel)` is for loops that are compiled once for each kernel in `WRITTEN`, with the formula inlined,
+and once for all other kernels. The type of `kernel` selects the version: see `kernel_type`.
 """
 
 from __future__ import annotations
@@ -73,13 +73,13 @@ KERNEL_TYPES = {KERNEL_CODES[name]: WRITTEN.get(form.slope, AnyKernel) for name,
 
 
 def kernel_type(constants: Constants) -> KernelType:
-    """The kernel as a type that `written_slope` dispatches on; KeyError for an unknown kernel."""
+    """The type of the kernel, on which `written_slope` dispatches; KeyError for an unknown kernel."""
     code = int(number(constants, "kernel"))
     return KERNEL_TYPES[code](code)
 
 
 def require_kernel(constants: Constants) -> None:
-    """Raise ValueError for a number that no kernel has."""
+    """Raise ValueError if no kernel has this number."""
     code = int(number(constants, "kernel"))
     if code not in KERNEL_TYPES:
         raise ValueError(f"kernel: got {code}; expected a number of KERNEL_CODES, {KERNEL_CODES}")

@@ -1,6 +1,7 @@
 """Forms of the equations that a scene's `[method]` chooses from: one row each, with everything that depends on it.
 
-A row is found by its name, and `Parameters` hold the row itself. There is no default: a name without a row is an error.
+A row is selected by its name, and `Parameters` contains the row itself. There is no default: an unknown name is an
+error.
 """
 
 from __future__ import annotations
@@ -74,7 +75,7 @@ class PressureForce(NamedTuple):
         return self.continuity is CORRECTED_CONTINUITY
 
     def damping_shares(self, fields: Fields, count: int) -> Array:
-        """The factor (N,) of the acoustic damping of each of the first particles: less than 1 where gradients are
+        """The factors (N,) of the acoustic damping of the first particles: less than 1 where gradients are
         completed.
         """
         return completion_factors(fields, count) ** -2.0 if self.corrected else np.ones(count)
@@ -110,7 +111,7 @@ class DensityDiffusion(NamedTuple):
         return FIELD.enthalpy if self.field == "enthalpy" else FIELD.density
 
     def rise(self, density: float, sound_speed: float) -> float:
-        """The gradient of the field at rest over gravity: rho/c^2 for the density."""
+        """The gradient of the diffusing field at rest over gravity: rho/c^2 for the density."""
         spring = 1.0 if self.field == "enthalpy" else density / sound_speed**2
         return spring if self.balances_weight else 0.0
 

@@ -1,12 +1,12 @@
 """The loop of all sums over neighbors of a tank. A sum is defined by a formula for a pair and the
 fields that it reads.
 
-What the formula reads of each particle is packed into a record of eight or sixteen numbers, and a single ninth is read
-beside it. Records of a particle's neighbors are turned into columns (see `ecume._columns`), and the loop over
-neighbors, which has no store inside, is vectorized by the compiler. It is compiled for vectors in 2D or
-3D, whichever a scene has, and for each kernel type of `kernel_loops`. The order of summation inside a row is not
-specified, but it is the same in every run. NaN propagates. Rows are padded with the particle itself, so that each term
-must vanish for two at the same place.
+The quantities of each particle that the formula reads are packed into a record of eight or sixteen numbers; a ninth
+number, if there are exactly nine, is read from a separate array. Records of a particle's neighbors are turned into
+columns (see `ecume._columns`), and the loop over neighbors, which has no store inside, is vectorized by the compiler.
+It is compiled for vectors in 2D or 3D, depending on the scene, and for each kernel type of `kernel_loops`. The order of
+summation inside a row is not specified, but it is the same in every run. NaN propagates. Rows are padded with the
+particle itself, so that each term must vanish at zero distance.
 
 Signs: `apart` is from i to j, F = (1/r) dW/dr is negative, and the gradient of W at i is -F apart.
 """
@@ -79,11 +79,11 @@ def neighbor_sum(
     reading: Reading, given: Callable[..., Any], zero: Callable[..., Any], pair: Callable[..., Any],
     store: Callable[..., None],
 ) -> NeighborSum:  # fmt: skip
-    """Return the sum that four compiled functions define.
+    """Return the sum defined by four compiled functions.
 
-    given(numbers, settings, like) are the constants that the formula needs; zero(nought, like) is an empty sum, of
-    vectors like this one; pair(total, apart, slope, own, other, given) is the total with the term of a neighbor, where
-    slope = f'(q)/q; store(target, fields, i, total, own, given) stores the sum.
+    given(numbers, settings, like) returns the constants that the formula needs; zero(nought, like) is an empty sum,
+    with vectors of the type of `like`; pair(total, apart, slope, own, other, given) is the total with the term of a
+    neighbor, where slope = f'(q)/q; store(target, fields, i, total, own, given) stores the sum.
     """
     fill, read_own, read = WAYS[len(reading.more)]
     width = RECORD + len(reading.more)
@@ -119,7 +119,7 @@ def neighbor_sum(
 
 
 def of_rows(taken: NeighborSum, reading: Reading) -> NeighborSum:
-    """Return the sum with other rows of fields."""
+    """The sum with other rows of fields."""
     ninth = reading.more[0] if len(reading.more) == 1 else FIELD.position
     return taken._replace(rows=rows_of(reading), ninth=ninth)
 
@@ -168,42 +168,42 @@ _particle = by_dimension(_in_plane, _in_space)
 
 @summed_inside
 def one_particle(columns: Floats, k: np.uint64, like: Vector) -> Particle:
-    """The particle of record k of eight numbers."""
+    """The neighbor in record k of eight numbers."""
     found: Particle = _particle(columns, k, (), like)
     return found
 
 
 @summed_inside
 def nine_of(columns: Floats, k: np.uint64, like: Vector) -> Particle:
-    """The particle of record k, with its ninth number from a separate array."""
+    """The neighbor in record k of eight numbers, with the ninth number from a separate array."""
     found: Particle = _particle(columns, k, columns[FURTHER, k], like)
     return found
 
 
 @summed_inside
 def further_particle(columns: Floats, k: np.uint64, like: Vector) -> Particle:
-    """The particle of record k of sixteen numbers."""
+    """The neighbor in record k of sixteen numbers."""
     found: Particle = _particle(columns, k, further_column(columns, k), like)
     return found
 
 
 @summed_inside
 def own_one(records: Floats, ninth: Floats, i: np.uint64, like: Vector) -> Particle:
-    """The particle itself, of a record of eight."""
+    """The particle i itself, from its record of eight numbers."""
     found: Particle = one_particle(records, i, like)
     return found
 
 
 @summed_inside
 def own_nine(records: Floats, ninth: Floats, i: np.uint64, like: Vector) -> Particle:
-    """The particle itself, with its ninth number from a separate array."""
+    """The particle i itself, with the ninth number from a separate array."""
     found: Particle = _particle(records, i, ninth[i], like)
     return found
 
 
 @summed_inside
 def own_further(records: Floats, ninth: Floats, i: np.uint64, like: Vector) -> Particle:
-    """The particle itself, of a record of sixteen."""
+    """The particle i itself, from its record of sixteen numbers."""
     found: Particle = further_particle(records, i, like)
     return found
 

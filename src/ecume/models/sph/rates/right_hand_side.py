@@ -63,15 +63,15 @@ def take_other_forces(parameters: Parameters, state: State, workspace: Workspace
 
 
 def take_shift(parameters: Parameters, state: State, workspace: Workspace, time: float) -> None:
-    """Evaluate the transport velocity of the next drift only."""
+    """Evaluate only the transport velocity of the next drift."""
     now = with_moved_solids(parameters, state)
     fill(now, state, workspace)
     shift(now, state, workspace, time)
 
 
 def evaluate_rates(parameters: Parameters, state: State, workspace: Workspace, time: float) -> None:
-    """Evaluate the rates of density and velocity, in one sum where there is one for both. Acoustic damping uses the
-    state's rate of density, that of the last evaluation.
+    """Evaluate the rates of density and velocity, in a combined sum if there is one. Acoustic damping uses the previous
+    rate of density in the state.
     """
     parameters = with_moved_solids(parameters, state)
     fill(parameters, state, workspace)
@@ -97,7 +97,7 @@ def _sum_stretch(parameters: Parameters, state: State, workspace: Workspace) -> 
 def _correct_diffusion(parameters: Parameters, state: State, workspace: Workspace) -> None:
     if parameters.density_diffusion.gradients:
         evaluate_sum(GRADIENT_DIFFUSION, parameters, workspace)
-    if parameters.second is not None:  # enthalpy diffuses with 2 delta h rho/c
+    if parameters.second is not None:  # the diffusion of enthalpy is 2 delta h rho/c
         first = parameters.material.density / parameters.material.sound_speed
         for liquid, who in parameters.parts(state.region):
             workspace.rates.diffusion[who] *= liquid.density / liquid.sound_speed / first
@@ -119,12 +119,12 @@ def _store_density_rate(parameters: Parameters, state: State, workspace: Workspa
 
 
 def conserve_volume(state: State, workspace: Workspace) -> None:
-    """Add the same strain rate to all particles, so that sum m/rho is constant in a full, closed tank. It counts as
-    diffusion, which does work.
+    """Add a uniform strain rate to all particles, so that sum m/rho is constant in a full, closed tank. It is treated
+    as a part of the diffusion, which does work.
 
-    Density integrates the motion of particles, sum_j m_j W. While a disordered arrangement settles, this sum decreases
-    although the tank stays full. The pressure would fall by c0^2 times as much, become negative at the lid, and there
-    particles would attract each other and clump.
+    The density follows sum_j m_j W by integration. While a disordered arrangement settles, this sum decreases although
+    the tank stays full. The pressure would then decrease by c0^2 times this amount and become negative at the lid,
+    where particles would attract each other and clump.
     """
     volume = state.mass / state.density
     excess = state.density * (dot(volume, state.density_rate / state.density) / float(volume.sum()))
@@ -133,8 +133,8 @@ def conserve_volume(state: State, workspace: Workspace) -> None:
 
 
 def _store_acceleration(parameters: Parameters, state: State, workspace: Workspace, time: float) -> None:
-    """Store the sum of the accelerations by pressure, gravity, friction, repulsion, bodies, surface tension, and laws
-    of the user.
+    """Store the sum of the accelerations by pressure, gravity, friction, repulsion, bodies, surface tension, and user
+    laws.
     """
     per_volume, rates = parameters.pressure_force.per_volume, workspace.rates
     density = workspace.fields.density[: len(state.density)].astype(np.float64, copy=False)
@@ -196,7 +196,7 @@ def table_of(parameters: Parameters) -> Array:
 
 
 def fill(parameters: Parameters, state: State, workspace: Workspace) -> None:
-    """Fill the fields of the liquid, of its images, of the dummies, and of the images of those."""
+    """Fill the fields of the liquid and its images, then of the dummies and their images."""
     fields, lists = workspace.fields, workspace.lists
     table = fields.table
     require_kernel(parameters.constants)
@@ -230,7 +230,7 @@ def fill(parameters: Parameters, state: State, workspace: Workspace) -> None:
 
 
 def damped_rate(parameters: Parameters, state: State) -> Array:
-    """The rate of density, times the ratio of the liquid's bulk viscosity to that of liquid 1."""
+    """The rate of density times the ratio of the bulk viscosity of each liquid to that of liquid 1."""
     if parameters.second is None:
         return state.density_rate
     rate = state.density_rate.copy()

@@ -1,4 +1,4 @@
-"""Particle shifting: a transport velocity relative to the liquid that keeps the particles evenly spaced."""
+"""Particle shifting: a transport velocity relative to the liquid, which keeps the particles evenly spaced."""
 
 from __future__ import annotations
 
@@ -46,11 +46,11 @@ def correct_for_spreading(state: State, concentration_gradient: NDArray[np.float
 
     The equation of continuity includes the compression by the flow, but not the spreading by the transport velocity:
     without this correction the whole volume shrinks, by a percent in a few turns of a vortex. The sum is the difference
-    of div W by sums and div W by differences (Sun et al. 2019, eq. 5); applied particle by particle it would be noise
-    in the pressure. [sun2019]
+    between div W in the form with sums and in the form with differences (Sun et al. 2019, eq. 5); applied to single
+    particles it would add noise to the pressure. [sun2019]
 
-    The factor of one half: for a pair of liquid particles, W_i and W_j enter the sums of differences of both, which
-    over all pairs is twice W_i.F x_ij; a dummy has no W, and no sum that W_i could enter.
+    The factor of one half of dummies: in a pair of liquid particles, W_i and W_j are part of the sums of both
+    particles, which over all pairs is twice W_i.F x_ij; a dummy has neither a W nor a sum.
     """
     spread = (state.transport * concentration_gradient).sum(axis=0)
     moved = (state.transport != 0.0).any(axis=0)
@@ -102,7 +102,7 @@ def shifts_needed(parameters: Parameters, state: State, time: float) -> int:
 
 
 def near_surface(parameters: Parameters, workspace: Workspace) -> Flags:
-    """Flags of the particles at the surface, and of all particles with one of them in their support."""
+    """Flags of the particles at the surface, and of all particles whose support contains one of these."""
     lists, images = workspace.lists, workspace.images
     liquid = workspace.rates.shape[1]
     real = len(lists.counts)

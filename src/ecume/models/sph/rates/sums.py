@@ -1,7 +1,7 @@
 """The sums over neighbors that move the liquid: continuity with density diffusion, pressure with artificial viscosity,
 and in scenes that select them the viscous force and the pressure force with transport velocity.
 
-Each is a formula for a pair, written once for the plane and for space: see `neighbor_sums`, also for signs.
+Each is a formula for a pair, the same in 2D and 3D: see `neighbor_sums`, also for signs.
 """
 
 from __future__ import annotations
@@ -50,19 +50,19 @@ def no_vector(zero: float, like: Vector) -> Vector:
 
 @summed_inside
 def given_slope_factor(numbers: Numbers, settings: Any, like: Vector) -> float:
-    """The factor of slopes of the kernel, which most sums apply at the end."""
+    """The slope factor of the kernel, by which most sums are multiplied at the end."""
     return numbers.slope_factor
 
 
 @summed_inside
 def store_pressure_force(rates: Floats, fields: Floats, i: int, total: Vector, own: Particle, given: Any) -> None:
-    """Store the acceleration by pressure; the last of the constants is the factor of slopes."""
+    """Store the acceleration by pressure; the last constant is the slope factor."""
     store_vector(rates, RATE.acceleration, i, given[-1], total)
 
 
 @summed_inside
 def given_continuity(numbers: Numbers, settings: Any, like: Vector) -> Any:
-    """Constants of continuity: the rise of the diffusing field at rest, the strength of diffusion, and factors."""
+    """Constants of continuity: the gradient of the diffusing field at rest, the strength of diffusion, and factors."""
     rise = vector_of(numbers.rise_x, numbers.rise_y, numbers.rise_z, like)
     return rise, numbers.delta, numbers.zero, numbers.slope_factor
 
@@ -115,7 +115,7 @@ def pair_pressure(total: Vector, apart: Vector, slope: float, own: Particle, oth
 
 
 class Both(NamedTuple):
-    """Sums of continuity and of pressure."""
+    """The combined sums of continuity and of pressure."""
 
     stretching: Any
     flow: Any
@@ -130,7 +130,7 @@ def given_rates(numbers: Numbers, settings: Any, like: Vector) -> Any:
 
 @summed_inside
 def no_rates(zero: float, like: Vector) -> Both:
-    """No stretching, no flow and no acceleration."""
+    """The empty sum: zero compression, diffusion and acceleration."""
     return Both(zero, zero, zeros(zero, like))
 
 
@@ -162,7 +162,7 @@ def store_rates(rates: Floats, fields: Floats, i: int, total: Both, own: Particl
 
 
 def by_diffusing_field(taken: NeighborSum, reading: Reading) -> dict[int, NeighborSum]:
-    """The sum for each field that may diffuse, by its row: density and enthalpy."""
+    """The sum for each field that may diffuse, by the row of the field: density and enthalpy."""
     return {row: of_rows(taken, reading._replace(value=row)) for row in (FIELD.density, FIELD.enthalpy)}
 
 
@@ -206,14 +206,14 @@ def pair_friction(total: Vector, apart: Vector, slope: float, own: Particle, oth
 
 @summed_inside
 def add_friction(rates: Floats, fields: Floats, i: int, total: Vector, own: Particle, factor: float) -> None:
-    """Add the acceleration; twice a harmonic mean has a factor of four."""
+    """Add the viscous acceleration; twice a harmonic mean has a factor of four."""
     share = factor * (own.value + own.value + own.value + own.value) / fields[FIELD.density, i]
     add_vector(rates, RATE.acceleration, i, share, total)
 
 
 @summed_inside
 def given_radial_friction(numbers: Numbers, settings: Any, like: Vector) -> tuple[float, float]:
-    """The least distance squared, and factors."""
+    """The smallest squared distance, and factors."""
     return numbers.softening, numbers.slope_factor * (numbers.dimension + 2)
 
 
@@ -222,8 +222,8 @@ def pair_radial_friction(
     total: Vector, apart: Vector, slope: float, own: Particle, other: Particle, given: tuple[float, float]
 ) -> Vector:
     """The viscous acceleration (1/rho_i) sum_j Z_ij F V_j [(u_i - u_j).x_ij] x_ij/r^2, where Z_ij is 2 (d + 2) times
-    the harmonic mean of the viscosities (Monaghan 2005). The least distance matters only for a particle and its own
-    image.
+    the harmonic mean of the viscosities (Monaghan 2005). The smallest distance has an effect only for a particle and
+    its own image.
     """
     radial = dot(difference(own.vector, other.vector), apart) / max(dot(apart, apart), given[0])
     found: Vector = axpy(total, drag(slope, own, other) * radial, apart)
@@ -234,7 +234,7 @@ def pair_radial_friction(
 def add_radial_friction(
     rates: Floats, fields: Floats, i: int, total: Vector, own: Particle, given: tuple[float, float]
 ) -> None:  # fmt: skip
-    """Add the acceleration."""
+    """Add the viscous acceleration."""
     add_friction(rates, fields, i, total, own, given[1])
 
 
@@ -251,8 +251,8 @@ def pair_transported_pressure(
     velocity W carries.
 
     (1/m_i) sum_j (V_i^2 + V_j^2) [p_ij - (1/2)(A_i + A_j).x_ij ...] F x_ij with p_ij = (rho_j p_i + rho_i p_j)/(rho_i +
-    rho_j), A = rho v W (Adami et al. 2013, eqs. 5, 8 and 10). Half of each flux: the other half is in the factor
-    outside. [adami2013]
+    rho_j), A = rho v W (Adami et al. 2013, eqs. 5, 8 and 10). The formula contains half of each flux; the other half is
+    in the factor outside the sum. [adami2013]
     """
     (a, b, c, density, _, _, _, _), (e, f, g, thickness, _, _, _, _) = own.more, other.more
     own_flux = density * dot(vector_of(a, b, c, apart), apart)
@@ -268,7 +268,7 @@ def pair_transported_pressure(
 def store_transported_pressure(
     rates: Floats, fields: Floats, i: int, total: Vector, own: Particle, factor: float
 ) -> None:  # fmt: skip
-    """Store the acceleration."""
+    """Store the acceleration by pressure and transport."""
     mass = own.more[3] * own.weight
     store_vector(rates, RATE.acceleration, i, factor / (mass + mass), total)
 
@@ -284,7 +284,7 @@ TRANSPORTED_PRESSURE = neighbor_sum(
 
 @spread
 def store_density_rate(density_rate: Array, rates: Floats, density: Array, by_mass: bool) -> None:
-    """Store the rate of density; the sum is over density where neighbors have their volumes as weights."""
+    """Store the rate of density; with volumes as weights of neighbors, the sum is over the density."""
     for i in prange(len(density)):
         share = 1.0 if by_mass else density[i]
         density_rate[i] = share * rates[RATE.continuity, i] + rates[RATE.diffusion, i]

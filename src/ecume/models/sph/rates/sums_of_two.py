@@ -1,18 +1,19 @@
 """The sums of continuity and pressure for two liquids in one tank.
 
-They count volumes, not masses, as those for one liquid do (Colagrossi and Landrini 2003): beside a neighbor of another
-density the volume of a particle does not change. The pressure between two particles i and j is weighted by the
-densities of rest, and so are velocities:
+The weights are volumes instead of masses (Colagrossi and Landrini 2003), so that a neighbor of another density does not
+change the volume of a particle. The pressure between two particles i and j is weighted by the reference densities, and
+so are velocities:
 
     2 p_ij = 2 (rho_j p_i + rho_i p_j) / (rho_i + rho_j) = w_i p_i + w_j p_j,   w_i = 2 rho_j / (rho_i + rho_j)
 
 (Adami et al. 2013, eq. 5). Then grad p / rho is continuous between them, as it must be where both move together, and
-stacked liquids of any densities are at rest. With the plain sum p_i + p_j the pressure before the lighter one has an
-error of the weight of the denser one, which lifts it off by a part of a spacing. Continuity has the same factor, which
-makes it the adjoint of the force: the two conserve energy. In one liquid w = 1. [colagrossi2003, adami2013]
+stacked liquids of any densities are at rest. With the plain sum p_i + p_j the pressure on the lighter liquid has an
+error of the order of the weight of the denser one, which separates the liquids by a fraction of a spacing. Continuity
+has the same factor, which makes it the adjoint of the force: the two conserve energy. In one liquid w = 1.
+[colagrossi2003, adami2013]
 
-Density diffuses within each liquid only: across an interface it jumps. Other factors of the diffusion, which depend on
-the liquid, are applied where its rate is stored (see `right_hand_side`).
+Density diffuses only within each liquid, since it is discontinuous at the interface. Other factors of the diffusion,
+which depend on the liquid, are applied where its rate is stored (see `right_hand_side`).
 """
 
 from __future__ import annotations
@@ -44,13 +45,13 @@ admit(density_diffusion)
 
 @summed_inside
 def excess_share(own: float, other: float, contrast: float) -> float:
-    """w_i - 1 of two particles of these kinds, where the contrast is (rho_1 - rho_2)/(rho_1 + rho_2)."""
+    """The excess weight w_i - 1 of two particles of these kinds; the contrast is (rho_1 - rho_2)/(rho_1 + rho_2)."""
     return contrast * (own - other)
 
 
 @summed_inside
 def share_within(own: float, other: float, pull: float, zero: float) -> float:
-    """The pull of a pair of one liquid, zero between two liquids."""
+    """The weight `pull` of a pair within one liquid, or zero for a pair of two liquids."""
     return pull if own == other else zero
 
 
@@ -89,7 +90,7 @@ def given_two_pressure(numbers: Numbers, settings: Any, like: Vector) -> Any:
 
 @summed_inside
 def weighted_force(pull: float, own: float, push: float, share: float, zero: float) -> float:
-    """The force of a pair over x_ij, of the force terms P_i and P_j: w_i P_i + w_j P_j."""
+    """The force of a pair over x_ij from the force terms P_i and P_j, w_i P_i + w_j P_j."""
     return pair_force(pull, own + share * own, push - share * push, zero)
 
 
@@ -110,7 +111,9 @@ def given_two_rates(numbers: Numbers, settings: Any, like: Vector) -> Any:
 
 @summed_inside
 def pair_two_rates(total: Both, apart: Vector, slope: float, own: Particle, other: Particle, given: Any) -> Both:
-    """Continuity, diffusion and pressure in one sum; `more` holds the field that diffuses, and the kind."""
+    """The sums of continuity, diffusion and pressure with the terms of a pair; `more` contains the field that diffuses,
+    and the kind.
+    """
     (rise, _, zero, _), contrast = given[0]
     (mine, kind, _, _, _, _, _, _), (there, another, _, _, _, _, _, _) = own.more, other.more
     pull, share = slope * math.fabs(other.weight), excess_share(kind, another, contrast)

@@ -1,12 +1,12 @@
 """Surface tension between the particles of the liquid: the continuum surface force (CSF), or cohesion.
 
-There is no gas. Images behind walls count as liquid, so that the contact angle at a mirror is 90 degrees without more.
-Of two liquids the denser one has the color: the tension is that of the interface.
+There is no gas. Images behind walls count as liquid, so that the contact angle at a mirror is 90 degrees by default.
+With two liquids the denser one has the color, and the tension is that of the interface.
 
 The continuum surface force is the gradient of an energy, sigma int psi(c) |grad c| dV, summed over nodes. The color c
-and its gradient are summed at the nodes of a fixed square (cubic) grid from all particles around; the energy is a sum
-over nodes (see `ecume.laws.tension.surface_weight`), and the force on each particle is exactly minus its derivative
-with respect to the particle's position, second derivatives of the kernel included:
+and its gradient at the nodes of a fixed square (cubic) grid are sums over nearby particles; the energy is a sum over
+nodes (see `ecume.laws.tension.surface_weight`), and the force on each particle is exactly minus its derivative with
+respect to the particle's position, second derivatives of the kernel included:
 
     F_j = sigma a^d V_j sum_g (psi' phi grad W_gj + psi grad grad W_gj . n_g),  n = grad c / max(|grad c|, g_0)
 
@@ -17,7 +17,7 @@ A particle contributes m/rho_0 to the color, whatever its density: forces depend
 behind planes, because half of the color of images, and half of the force on images, would be counted twice. The force
 on an image is added to its source.
 
-Other contact angles: nodes at a mirror have the energy -sigma cos(theta) chi(c) per area of the wall besides (see
+Other contact angles: nodes at a mirror have the additional energy -sigma cos(theta) chi(c) per area of the wall (see
 `ecume.laws.tension.wetted_share`), and solids of dummy particles contribute the color of their angle (see
 `solid_color`), without a force on them. [young1805, brackbill1992, wendland1995]
 """
@@ -91,11 +91,11 @@ class Colors(NamedTuple):
 
 
 def colors_of(parameters: Parameters, workspace: Workspace) -> Colors:
-    """The nodes, with the fields that forces and energy need."""
+    """The particles and nodes of the color, from the fields that forces and energy require."""
     fields, dimension = workspace.fields, parameters.dimension
     position = np.zeros((3, fields.shape[1]))
     position[:dimension] = fields.position[:dimension]
-    # Columns of solids have no density.
+    # The density of columns of solids is not set.
     wet = fields.density * fields.volume / colored(parameters).density
     if parameters.second is not None:
         wet = np.where(fields.kind == 1.0 + (colored(parameters) is parameters.second.material), wet, 0.0)
@@ -106,12 +106,12 @@ def colors_of(parameters: Parameters, workspace: Workspace) -> Colors:
 
 
 def colored(parameters: Parameters) -> Material:
-    """The liquid whose color makes the contours: of two the denser one, which forces accelerate less."""
+    """The liquid whose color defines the interface: of two the denser one, since the forces accelerate it less."""
     return max(parameters.materials, key=lambda liquid: liquid.density)
 
 
 def nodes_of(parameters: Parameters, position: Array, volume: Array, grid: Grid) -> Array:
-    """The fields at the nodes, and their energy, of particles with these volumes."""
+    """The fields at the nodes, and their energy, from particles with these volumes."""
     nodes = np.empty((ENERGY + 1, int(np.prod(grid.shape))))
     color(nodes, position, volume, *grid)
     weigh(nodes, planes_of(parameters), *grid)
@@ -124,7 +124,7 @@ def solid_colors(parameters: Parameters, workspace: Workspace) -> Array:
     liquid, real = workspace.rates.shape[1], len(workspace.lists.counts)
     found = np.zeros(workspace.fields.shape[1])
     found[liquid:real] = boundary.color[boundary.dummies.owner]
-    # Images follow in order of their sides, and may be images of earlier ones.
+    # Images follow in the order of their sides; the source of an image may be an image of an earlier side.
     for first, end in itertools.pairwise(images.start.tolist()):
         found[real + first : real + end] = found[images.source[first:end]]
     return found
@@ -153,8 +153,8 @@ def planes_of(parameters: Parameters) -> Array:
 
 
 def contour_energy(parameters: Parameters, workspace: Workspace) -> float:
-    """The surface energy (J, in 2D per meter of depth): sigma times the sum over nodes, less that of dry solids, of
-    which the nodes cover more where the liquid spreads.
+    """The surface energy (J, in 2D per meter of depth): sigma times the sum over nodes, minus the energy of dry solids,
+    of which fewer nodes remain as the liquid spreads.
     """
     colors = colors_of(parameters, workspace)
     energy = colors.nodes[ENERGY]
@@ -165,7 +165,7 @@ def contour_energy(parameters: Parameters, workspace: Workspace) -> float:
 
 
 def contour_forces(parameters: Parameters, workspace: Workspace, mass: Array) -> Array:
-    """The forces (d, N) in N: minus the derivatives of that energy with respect to the liquid's positions."""
+    """The forces (d, N) in N: minus the derivatives of `contour_energy` with respect to the positions of the liquid."""
     colors = colors_of(parameters, workspace)
     force = np.zeros_like(colors.position)
     draw(force, colors.position, colors.volume, colors.nodes, *colors.grid)
@@ -211,7 +211,7 @@ def first_node(place: float, low: float, numbers: GridNumbers) -> int:
 
 @compiled_inside
 def end_node(place: float, low: float, numbers: GridNumbers, most: int) -> int:
-    """The first node beyond the range of a particle along an axis."""
+    """The first node along an axis that is beyond the range of a particle."""
     return min(most, math.floor((place + numbers.reach - low) / numbers.step) + 1)
 
 
@@ -249,7 +249,7 @@ def color(nodes: Array, position: Array, volume: Array, low: Array, shape: Integ
 @spread
 def weigh(nodes: Array, planes: Array, low: Array, shape: Integers, numbers: GridNumbers) -> None:
     """Compute the energies of the nodes, and replace color and gradient by the derivatives of the energies: psi' phi
-    and psi n for the part of a node in front of all planes, minus psi cos(theta) for its part in a plane.
+    and psi n for the part of the volume of a node in front of all planes, minus psi cos(theta) for its part in a plane.
     """
     step, least = numbers.step, numbers.least
     for node in prange(nodes.shape[1]):
@@ -322,18 +322,18 @@ def add_surface_tension(parameters: Parameters, state: State, workspace: Workspa
 
 
 def surface_energy(parameters: Parameters, workspace: Workspace) -> float:
-    """The surface energy (J): of all pairs under cohesion, otherwise of the color function; forces
-    are its derivatives.
+    """The surface energy (J): under cohesion that of all pairs, otherwise that of the color function; forces are its
+    derivatives.
     """
     return TENSIONS[parameters.tension].energy(parameters, workspace)
 
 
 def add_nothing(parameters: Parameters, state: State, workspace: Workspace) -> None:
-    """Do nothing: no surface tension."""
+    """Leave the accelerations unchanged, without surface tension."""
 
 
 def no_energy(parameters: Parameters, workspace: Workspace) -> float:
-    """Zero."""
+    """Return zero, without surface tension."""
     return 0.0
 
 
@@ -385,7 +385,9 @@ def no_sum(zero: float, like: Vector) -> float:
 def pair_cohesion(
     total: Vector, apart: Vector, slope: float, own: Particle, other: Particle, given: tuple[float, float]
 ) -> Vector:
-    """The sum of m_j C(r) x_ij/r with the term of a pair, equal for both; walls and images attract like the liquid."""
+    """The sum of m_j C(r) x_ij/r with the term of a pair, which is the same for both; walls and images attract like the
+    liquid.
+    """
     distance = math.sqrt(dot(apart, apart))
     pull = other.weight * other.value * tension.cohesion_kernel(distance, given[0]) / max(distance, SAME)
     found: Vector = axpy(total, pull, apart)
@@ -404,7 +406,7 @@ def add_to_acceleration(
 def pair_energy(
     total: float, apart: Vector, slope: float, own: Particle, other: Particle, given: tuple[float, float]
 ) -> float:
-    """The energy with the term of a pair: half for each particle or its image, all of it next to a dummy."""
+    """The energy with the term of a pair: half of it for a particle or an image, all of it for a dummy."""
     distance, mass = math.sqrt(dot(apart, apart)), math.fabs(other.weight) * other.value
     share = 0.5 if other.weight > 0.0 else 1.0
     return total + (share * mass * tension.cohesion_energy(distance, given[0]) if distance > SAME else 0.0)
@@ -459,7 +461,7 @@ TENSIONS: Mapping[str, Tension] = {
         },
         laws=(tension.cohesion_kernel, tension.cohesion_strength_in_plane),
     ),
-    # A narrower color kernel resolves single particles, a wider one flattens curved surfaces.
+    # A narrower color kernel resolves single particles; a wider one flattens curved surfaces.
     "csf": Tension(
         add_contour_force, contour_energy, {2: 4.8, 3: 4.0}, inner_pressure=0.0,
         accuracy={

@@ -1,4 +1,4 @@
-"""The report of `ecume check` on a tank before it runs: resolution, cost, and which parts of the physics matter."""
+"""The report of `ecume check` on a tank before it runs: resolution, cost, and the important physical effects."""
 
 from __future__ import annotations
 
@@ -83,7 +83,7 @@ def _rheology(parameters: Parameters) -> list[Row]:
 
 
 def flow_viscosity(scene: SphScene, parameters: Parameters) -> float:
-    """Pa s: that of the liquid, or of one with a rheology at the expected rate of strain."""
+    """The viscosity (Pa s) of the liquid; with a rheology, that at the expected rate of strain."""
     if parameters.rheology is None:
         return parameters.material.viscosity
     return apparent_viscosity(parameters.material.fastest / smallest_extent(scene), *parameters.rheology)
@@ -111,8 +111,8 @@ def _effective_viscosity(scene: SphScene, parameters: Parameters) -> list[Row]:
 
 
 def _shifting(scene: SphScene, parameters: Parameters) -> list[Row]:
-    """The row on shifting that a scene selects, in a liquid without any viscosity: nothing removes the energy that it
-    adds. Where the volume is kept it adds none.
+    """The row on shifting that the scene selects in a liquid without viscosity, where the energy added by shifting is
+    not dissipated. If the volume is conserved, shifting adds no energy.
     """
     shifting, harmless = scene.method.shifting, bool(parameters.projection) or parameters.fixed_volume
     if shifting in ("automatic", "none") or harmless or total_viscosity(scene, parameters) > 0.0:
@@ -122,8 +122,8 @@ def _shifting(scene: SphScene, parameters: Parameters) -> list[Row]:
 
 
 def _waves(scene: SphScene, parameters: Parameters) -> list[Row]:
-    """The rows on the decay of the longest standing wave along x, and on waves of moving sides. None for a liquid with
-    a rheology, whose viscosity in small waves is another one, and none for two liquids.
+    """The rows on the decay of the longest standing wave along x, and on waves of moving sides. Empty for two liquids,
+    and for a liquid with a rheology, whose viscosity in small waves differs.
     """
     pull = gravity_of(scene)
     if scene.second_liquid is not None:
@@ -180,7 +180,7 @@ def total_viscosity(scene: SphScene, parameters: Parameters) -> float:
 
 
 def resolved_spacing(scene: SphScene, parameters: Parameters) -> float:
-    """The spacing, if sums without neighbors above the surface damp waves."""
+    """The spacing if sums without neighbors above the surface damp waves; zero if gradients are completed."""
     completed = parameters.pressure_force.corrected
     return 0.0 if completed else scene.spacing
 
@@ -193,7 +193,7 @@ damping: within 10 % up to k times the spacing of 0.2, and 20 % too large at `FI
 
 def lost_per_period(wavenumber: float, water: Water) -> float:
     """The fraction of its height that a small standing wave loses in a period: by viscosity, and by the numerical
-    damping of the relative motion of the upper rows of particles, which sums over neighbors on one side drive.
+    damping of the relative motion of the upper rows of particles, which is caused by one-sided sums over neighbors.
     """
     wave = viscous_decay(wavenumber, water.depth, water.gravity, water.viscosity)
     rows = RESOLVING * (wavenumber * water.spacing) ** ORDER / math.tanh(wavenumber * water.depth) ** SHALLOW
@@ -227,7 +227,7 @@ def _tension_regime(scene: SphScene, parameters: Parameters) -> list[Row]:
 
 
 def _tension_remark(number: float, model: str) -> str:
-    """The remark whether surface tension matters, and how to switch it."""
+    """The remark on whether surface tension matters, and how to switch it off."""
     if model != "none" and number > IRRELEVANT:
         return 'surface tension has no visible effect; method.surface_tension_model = "none" is faster'
     if model == "none" and number < RELEVANT:
@@ -245,7 +245,9 @@ def _viscosity(scene: SphScene, parameters: Parameters) -> list[Row]:
 
 
 def _viscosity_remark(scene: SphScene, parameters: Parameters, number: float, extent: float) -> str:
-    """The remark whether the flow has the liquid's viscosity, and whether boundary layers are resolved."""
+    """The remark on whether the viscosity of the liquid determines the flow, and whether boundary layers are
+    resolved.
+    """
     material, viscosity = parameters.material, flow_viscosity(scene, parameters)
     added = material.density * numerical_viscosity(scene, parameters)
     if number < VISCOUS and added > DOMINANT * viscosity:
@@ -300,9 +302,9 @@ def advice(scene: SphScene, parameters: Parameters, position: Array, bytes_each:
 
 
 def first_impact(scene: SphScene) -> list[Row]:
-    """The row on the first impact: of liquid or a body that falls, or of a collapsing column at the opposite wall. The
-    front of a column in a dry tank is at most as fast as Ritter's, 2 sqrt(g h) [ritter1892]. Empty without gravity, and
-    where something else moves the liquid.
+    """The row on the first impact: of a falling liquid or body, or of a collapsing column at the opposite wall. In a
+    dry tank the front of a column is at most as fast as Ritter's, 2 sqrt(g h) [ritter1892]. Empty without gravity, and
+    if something else moves the liquid.
     """
     pull, times = -float(gravity_of(scene)[scene.up_axis]), (scene.duration, scene.frame_every)
     if pull <= 0.0 or scene.central_force is not None or scene.base_excitation is not None:
@@ -328,8 +330,8 @@ Box = tuple[Array, Array]
 
 
 def _falls(scene: SphScene) -> list[tuple[str, float]]:
-    """Liquid and bodies that begin at rest, and the heights (m) above what they fall onto. Bodies in liquid float or
-    sink.
+    """Liquid and bodies that are at rest initially, with their heights (m) above the surface onto which they fall.
+    Bodies in liquid, which float or sink, are not included.
     """
     liquid = [part_of(region, scene.spacing).bounds() for region in scene.fluid]
     bodies = [shape_of(body).bounds() for body in scene.bodies]
@@ -347,8 +349,8 @@ def _falls(scene: SphScene) -> list[tuple[str, float]]:
 
 
 def _fronts(scene: SphScene, pull: float) -> list[tuple[str, float, float]]:
-    """The sides that the fronts of a lone column at rest may reach, their distances (m), and the fastest front (m/s).
-    None where surface tension may hold the column: up to two capillary lengths high, as a puddle.
+    """The sides that the fronts of a single column at rest may reach, their distances (m), and the speed of the fastest
+    front (m/s). Empty if surface tension may hold the column as a puddle, up to two capillary lengths high.
     """
     sides = sides_of(scene)
     driven = any(side.motion is not None or side.velocity or side.speed for side in sides)
@@ -378,7 +380,7 @@ def _overlap(one: Box, other: Box) -> bool:
 
 
 def _drop(ends: Box, below: list[Box], scene: SphScene) -> float:
-    """The height (m) between a box and what is under it, or the bottom if that is a wall; otherwise zero."""
+    """The height (m) between a box and the surface below it, or the bottom if it is a wall; otherwise zero."""
     (low, high), up = ends, scene.up_axis
     floor = [float(scene.tank.low[up])] if sides_of(scene)[2 * up].kind == "wall" else []
     for least, most in below:
@@ -428,7 +430,7 @@ def gravity_row(scene: SphScene) -> Row:
 
 
 def _lies_as_in_drawings(scene: SphScene) -> bool:
-    """Whether the liquid fills the tank along y, but not along z, as where z points up."""
+    """Whether the liquid fills the tank along y but not along z, as in drawings where z points up."""
     low, high = scene.tank.low, scene.tank.high
     bounds = np.array([part_of(region, scene.spacing).bounds() for region in scene.fluid])
     least, most = bounds[:, 0].min(axis=0), bounds[:, 1].max(axis=0)
@@ -437,7 +439,7 @@ def _lies_as_in_drawings(scene: SphScene) -> bool:
 
 
 def fitted_row(scene: SphScene) -> Row:
-    """The row on the lattice that was fitted between walls and solids: how far its cells differ from squares as wide as
+    """The row on the lattice fitted between walls and solids: the deviation of its cells from squares with the width of
     the spacing.
     """
     drawn = [cells for (cells, _), region in zip(cells_of(scene), scene.fluid, strict=True) if region.particles is None]
@@ -458,7 +460,7 @@ def fitted_row(scene: SphScene) -> Row:
 
 
 def packing_row(scene: SphScene, position: Array) -> list[Row]:
-    """The row on the unevenness of the liquid next to surfaces that its lattice does not fit."""
+    """The row on the unevenness of the liquid next to surfaces to which its lattice is not fitted."""
     cells, solids = [cells for cells, _ in cells_of(scene)], unaligned_solids(scene)
     ends = np.cumsum([len(each.centers) for each in cells])
     places = np.split(position.T[: ends[-1]], ends[:-1])
@@ -480,8 +482,8 @@ def walls_remark(scene: SphScene, dummies: int) -> str:
 
 
 def thin_solids(scene: SphScene, parameters: Parameters) -> list[Row]:
-    """The rows on obstacles and bodies thinner than the support: liquid on both sides interacts, and there are few
-    dummies.
+    """The rows on obstacles and bodies thinner than the support: the liquids on their two sides interact, and they have
+    few dummies.
     """
     solids = solids_of(scene)
     names = parameters.boundary.names[len(parameters.boundary.names) - len(solids) :]
@@ -511,10 +513,10 @@ TOO_SLOW = 2.0
 
 
 def _speed_remark(scene: SphScene, material: Material) -> str:
-    """The remark on a maximum speed that falls, flows or walls exceed; empty if none does."""
+    """The remark on a maximum speed below the speeds of falls, flows or walls; otherwise empty."""
     try:
         expected = fastest_of(scene)
-    except SceneError:  # nothing in the scene sets a speed
+    except SceneError:  # no part of the scene determines a speed
         return ""
     if expected <= TOO_SLOW * material.fastest:
         return ""
@@ -522,7 +524,7 @@ def _speed_remark(scene: SphScene, material: Material) -> str:
 
 
 def _second_liquid(scene: SphScene, parameters: Parameters) -> list[Row]:
-    """The rows on another liquid: its properties, and how stiff it is."""
+    """The rows on the second liquid: its properties and its stiffness."""
     if parameters.second is None or scene.second_liquid is None:
         return []
     material = parameters.second.material
@@ -572,7 +574,9 @@ def solver_rows(parameters: Parameters) -> list[Row]:
 
 
 def impact_rows(settings: Projection, brief: float) -> list[Row]:
-    """A row on pressures at impacts: a drop stops within one step, so that single readings grow as steps shorten."""
+    """The row on pressures at impacts: a drop stops within one step, so that single readings increase for shorter
+    steps.
+    """
     if not settings.free_surface:
         return []
     over = f"averages over {with_prefix(brief, 's', 3)} or more" if brief else "averages over many steps"
@@ -594,7 +598,7 @@ def compression_row(weight: float, material: Material) -> Row:
 
 
 def heaviest(scene: SphScene) -> float:
-    """The density (kg/m^3) of the densest liquid, whose weight may compress the others."""
+    """The density (kg/m^3) of the densest liquid, whose weight may compress the other one."""
     return max(liquid_in(region, scene).density or 0.0 for region in scene.fluid)
 
 
@@ -625,7 +629,7 @@ def _contact_angles(scene: SphScene) -> Row:
 
 
 def uniform_inflows(scene: SphScene) -> list[Row]:
-    """The rows on uniform inflows between no-slip walls, which slow the liquid near them within a spacing."""
+    """The rows on uniform inflows between no-slip walls, near which the liquid slows down within a spacing."""
     remark = 'particles accumulate where no-slip walls stop the liquid; profile = "parabolic" avoids it'
     return [
         (f"inflow {scene.sides[number]}", "uniform", remark)
@@ -639,7 +643,7 @@ def _cost(scene: SphScene, parameters: Parameters, count: int, bytes_each: float
     stepping = steps * seconds_a_step(scene, parameters, count)
     vectors = dict.fromkeys(("position", "velocity"), parameters.dimension)
     arrays, passive = {**vectors, "density": 1, "pressure": 1}, int(parameters.passive_tracers.start[-1])
-    if (parameters.boundary.sides.mirrors == 0).any():  # periodic sides
+    if (parameters.boundary.sides.mirrors == 0).any():  # a tank with periodic sides
         arrays["image"] = parameters.dimension
     liquid, images = 5 * parameters.dimension + 7, arrays.get("image", 0)
     state = 8.0 * (count * (liquid + images) + passive * (2 * parameters.dimension + images))
@@ -663,8 +667,8 @@ def _cost(scene: SphScene, parameters: Parameters, count: int, bytes_each: float
 
 
 def faster_remark(scene: SphScene, parameters: Parameters) -> str:
-    """The remark that an incompressible liquid takes more steps with fronts, whose speed reaches 2 sqrt(g H): the
-    estimate takes that of a fall, sqrt(2 g H).
+    """The remark that steps become shorter when fronts of an incompressible liquid reach speeds of 2 sqrt(g H); the
+    estimate assumes that of a fall, sqrt(2 g H).
     """
     estimated = parameters.projection is not None and parameters.projection.free_surface
     if not estimated or scene.liquid.maximum_speed is not None:
@@ -673,14 +677,14 @@ def faster_remark(scene: SphScene, parameters: Parameters) -> str:
 
 
 def dummies_size(parameters: Parameters) -> float:
-    """Bytes of the dummies among the constants of a run."""
+    """The size (bytes) of the dummies among the constants of a run."""
     dummies = parameters.boundary.dummies
     return float(sum(array.nbytes for array in dummies))
 
 
 def numbers_expected(parameters: Parameters) -> list[str]:
-    """The kinds of the numbers of a frame: energies and motion, loads on solids, poses of bodies,
-    readings of gauges.
+    """The names of the groups of numbers in a frame: energies and motion, loads on solids, poses of bodies, readings of
+    gauges.
     """
     boundary, d = parameters.boundary, parameters.dimension
     loaded = {int(side) for side in boundary.image_owner if side >= 0} | set(boundary.dummies.owner.tolist())
@@ -694,8 +698,8 @@ def numbers_expected(parameters: Parameters) -> list[str]:
 
 
 def seconds_a_step(scene: SphScene, parameters: Parameters, count: int) -> float:
-    """The estimated time of a step (s): two sums over neighbors, and for the continuum surface force two over the nodes
-    around each particle.
+    """The estimated time of a step (s): two sums over neighbors, and for the continuum surface force two sums over the
+    nodes around each particle.
     """
     neighbors = lattice_neighbors(parameters.dimension, parameters.support / scene.spacing)
     reach = parameters.color_reach / (NODES * scene.spacing)
@@ -717,8 +721,7 @@ def resolution_remark(across: float) -> str:
 
 
 def lattice_neighbors(dimension: int, reach: float) -> int:
-    """The number of points of a square lattice closer than `reach` spacings to one of them, itself
-    excluded.
+    """The number of neighbors of a point of a square lattice within `reach` spacings, without the point itself.
 
     >>> lattice_neighbors(2, 4.0)
     44

@@ -1,17 +1,16 @@
-"""Energies of the liquid and the bodies, and the work done on them from outside. Energy minus work never increases.
+"""Energies of the liquid and the bodies, and the external work on them. Energy minus work never increases.
 
-Moving walls, bodies that are moved (see `boundaries.driven_bodies`), and the liquid behind inflows and outflows, do
-work by their forces F, pair by pair as in the sums over neighbors. The work of a wall is W = integral of F.w dt with
-its force F on the liquid and its velocity w; that of a shaken tank is the integral of M.a with the apparent
-acceleration a and the momentum M. A buffer particle b does F_ib.(v_i + v_b)/2 on the particle i before it: the energy
-flux of a pair, the mean of what i gains and b loses. The rest, F_ib.(v_i - v_b)/2, is dissipated if the force is
-viscous, and compresses i if it is pressure, up to (P_i - P_b)(v_i - v_b)/2, of second order. Particles that cross a
-border carry their energy, and particles that cross a periodic side are lifted, in gravity, by the length of the tank.
+Moving walls, driven bodies (see `boundaries.driven_bodies`), and the liquid behind inflows and outflows do work by
+their forces F, pair by pair as in the sums over neighbors. The work of a wall is W = integral of F.w dt with its force
+F on the liquid and its velocity w; that of a shaken tank is the integral of M.a with the apparent acceleration a and
+the momentum M. A buffer particle b does F_ib.(v_i + v_b)/2 on the particle i before it: the energy flux of a pair, the
+mean of what i gains and b loses. The rest, F_ib.(v_i - v_b)/2, is dissipated if the force is viscous, and compresses i
+if it is pressure, up to (P_i - P_b)(v_i - v_b)/2, of second order. Particles that cross a border carry their energy,
+and particles that cross a periodic side are lifted, in gravity, by the length of the tank.
 
-Density diffusion changes the elastic energy; this is work, too, of the numerical method: see `add_diffusion_work`. So
-does the pressure of dummies, which liquid that approaches compresses without storing energy in them: see
-`power_of_dummies`. In an incompressible liquid the correction of the density does work: see
-`projection.add_remaining_work`.
+Density diffusion changes the elastic energy; this is work of the numerical method: see `add_diffusion_work`. So does
+the pressure of dummies, which approaching liquid compresses although dummies store no energy: see `power_of_dummies`.
+In an incompressible liquid the correction of the density does work: see `projection.add_remaining_work`.
 
 Rates are integrated by the trapezoidal rule, which is exact for kicks: each force acts half before and half after the
 velocity by which it is multiplied.
@@ -74,8 +73,9 @@ def energies(parameters: Parameters, state: State, propped: float, surface: floa
 
 
 def spreading_energy(now: Parameters, state: State, workspace: Workspace) -> float:
-    """J: of the pressure whose gradient is not completed, from a filled workspace: see `rates.corrections`. Zero in the
-    interior of a lattice at the density of rest, negative at a surface. A dummy counts once: see `power_of_dummies`.
+    """The energy (J) of the pressure whose gradient is not completed, from a filled workspace: see `rates.corrections`.
+    It is zero in the interior of a lattice at the reference density, and negative at a surface. A dummy counts once:
+    see `power_of_dummies`.
     """
     if now.spreading_pressure == 0.0:
         return 0.0
@@ -94,7 +94,7 @@ def spreading_energy(now: Parameters, state: State, workspace: Workspace) -> flo
 
 @compiled
 def elastic_energies(density: Array, reference_density: float, sound_speed: float, exponent: float) -> Array:
-    """The `tait_energy` of each particle (J/kg), with the power function of the C library."""
+    """The `tait_energy` of each particle (J/kg), computed with the power function of the C library."""
     found = np.empty_like(density)
     for i in range(len(density)):
         found[i] = tait_energy(density[i], reference_density, sound_speed, exponent)
@@ -218,8 +218,8 @@ def diffusion_work(
 def add_work(
     parameters: Parameters, state: State, workspace: Workspace, began: tuple[float, bool], time: float
 ) -> None:
-    """Add the work of a completed step; `began` holds the power (W) before it, and whether the
-    forces were known then.
+    """Add the work of a completed step; `began` contains the power (W) before it, and whether the forces were known
+    then.
     """
     if parameters.base_excitation is None and not forces_work(parameters):
         return
@@ -228,7 +228,8 @@ def add_work(
         state.budget[WORK] += (float(state.budget[RATE]) + shaken) * time
         state.budget[RATE] = 0.0
         return
-    with np.errstate(over="ignore", invalid="ignore"):  # the integration reports positions that are not finite
+    # Positions that are not finite are reported by the time integration.
+    with np.errstate(over="ignore", invalid="ignore"):
         rate, numerical = powers_of_forces(with_moved_solids(parameters, state), state, workspace)
     before, known = began
     after = rate + power_of_base_excitation(parameters, state)
@@ -253,12 +254,12 @@ def power_of_base_excitation(parameters: Parameters, state: State) -> float:
 
 
 def power_of_forces(now: Parameters, state: State, workspace: Workspace) -> float:
-    """The power (W) of moving sides, buffers, dummies and laws of the user, from a filled workspace."""
+    """The power (W) of moving sides, buffers, dummies and user laws, from a filled workspace."""
     return powers_of_forces(now, state, workspace)[0]
 
 
 def powers_of_forces(now: Parameters, state: State, workspace: Workspace) -> tuple[float, float]:
-    """The power (W) of all external forces, and the part of it by the compression of dummies."""
+    """The power (W) of all external forces, and its part by the compression of dummies."""
     power, compressing = 0.0, 0.0
     if workspace.user_acceleration is not None:
         inside = state.zone == 0
@@ -277,7 +278,7 @@ def powers_of_forces(now: Parameters, state: State, workspace: Workspace) -> tup
 
 
 def moving_sides(now: Parameters) -> Integers:
-    """Rows of the table of sides that are moving mirrors."""
+    """The rows of moving mirrors in the table of sides."""
     boundary, d = now.boundary, now.dimension
     return np.flatnonzero((boundary.image_owner >= 0) & boundary.table[:, 2 * d : 3 * d].any(axis=1))
 
@@ -298,7 +299,7 @@ def power_of_side(now: Parameters, state: State, workspace: Workspace, row: int)
 
 
 def moving_dummies(parameters: Parameters) -> Integers:
-    """The dummies of walls that move parallel to themselves."""
+    """The dummies of walls that move parallel to their surface."""
     dummies = parameters.boundary.dummies
     return np.flatnonzero(dummies.velocity.any(axis=0) & (dummies.owner < 2 * parameters.dimension))
 
@@ -312,11 +313,10 @@ def power_of_moving_dummies(now: Parameters, workspace: Workspace) -> float:
 
 
 def power_of_dummies(now: Parameters, state: State, workspace: Workspace) -> float:
-    """The power (W) of the pressure of dummies, apart from that of their force and their own
-    motion.
+    """The power (W) of the pressure of dummies, in addition to that of their forces and their motion.
 
     A pair of liquid i and dummy w changes the kinetic energy by w_i w_w F (P_i + P_w) x_iw.v_i and the elastic energy
-    of i by w_i w_w F P_i x_iw.(v_w - v_i). Their sum is the force times v_w, and w_i w_w F P_w x_iw.(v_i - v_w): the
+    of i by w_i w_w F P_i x_iw.(v_w - v_i). Their sum is the force times v_w, plus w_i w_w F P_w x_iw.(v_i - v_w): the
     dummy is compressed like liquid, but has no elastic energy.
     """
     fields, lists, images, count = workspace.fields, workspace.lists, workspace.images, state.position.shape[1]
@@ -368,7 +368,9 @@ def dummy_powers(
 
 
 def power_of_buffers(now: Parameters, state: State, workspace: Workspace) -> float:
-    """The power (W) of the liquid behind inflows and outflows: the mean of the gain and the loss of a pair."""
+    """The power (W) of the liquid behind inflows and outflows: the mean of gain and loss over the two particles of each
+    pair.
+    """
     real, liquid = len(workspace.lists.counts), workspace.rates.shape[1]
     root = np.concatenate([np.arange(real), roots_of(workspace.images, real)])
     held = np.zeros(real, np.int64)
@@ -397,13 +399,13 @@ def periodic_work(parameters: Parameters, state: State, out: NDArray[np.bool_], 
 
 
 def exchanged_energy(parameters: Parameters, state: State, entering: Array, leaving: Array) -> float:
-    """The energy of entering particles less that of leaving particles (J); NaN if a position is not finite."""
+    """The energy of entering particles minus that of leaving particles (J); NaN if a position is not finite."""
     with np.errstate(over="ignore", invalid="ignore"):
         return energy_of(parameters, state, entering) - energy_of(parameters, state, leaving)
 
 
 def reflection_work(now: Parameters, state: State, before: Array) -> float:
-    """The work (J) of moving sides on reflected particles, from their velocities before."""
+    """The work (J) of moving sides on reflected particles, from the velocities before the reflection."""
     work, guard, d = 0.0, now.boundary.guard, now.dimension
     for side, _ in now.drives:
         row = guard.sheet.number[guard.owner == side][0]

@@ -9,8 +9,8 @@ The four pressures of a liquid. Frames hold the gauge pressure; the others are d
 | `dynamic_pressure` | p - p_h: zero at rest |
 | `absolute_pressure` | p + p_atm |
 
-Heights are measured against gravity, whatever its direction. Along periodic sides nothing balances gravity, and its
-component there does not count. [batchelor1967]
+Heights are measured against gravity, whatever its direction. Along periodic sides no pressure balances gravity, and
+that component of gravity is ignored. [batchelor1967]
 """
 
 from __future__ import annotations
@@ -84,7 +84,7 @@ def reference_of(scene: SphScene) -> PressureReference:
 
 
 def level_of(scene: SphScene, up: Array) -> float:
-    """The initial level of the liquid (m): the height of its largest connected part. Drops above it fall."""
+    """The initial level of the liquid (m): the height of its largest connected part. Drops above it are ignored."""
     regions = [part_of_space(region, scene.spacing) for region in scene.fluid]
     low, high = (np.array(corners) for corners in zip(*(region.bounds() for region in regions), strict=True))
     meet = (np.maximum(low, low[:, None]) < np.minimum(high, high[:, None]) + scene.spacing).all(axis=2)
@@ -133,7 +133,7 @@ Readings = tuple[dict[str, float], dict[str, str]]
 
 
 def gauges_of(scene: SphScene, reach: float) -> tuple[Gauge, ...]:
-    """The gauges of a scene; a row of gauges is expanded into single ones."""
+    """The gauges of a scene; a row of gauges is expanded into single gauges."""
     found = []
     ends, periods = _ends(scene)
     for spec in scene.gauges:
@@ -159,7 +159,7 @@ def gauges_of(scene: SphScene, reach: float) -> tuple[Gauge, ...]:
 
 def sensing_area(tank: TankSpec, place: Array, diameter: float) -> Array:
     """Points (n, d) with equal shares of the sensing area of a sensor, along the nearest side of the tank and within
-    it; the place alone without a diameter.
+    it; only the position itself if the diameter is zero.
     """
     if diameter == 0.0:
         return place[None]
@@ -190,7 +190,9 @@ def _ends(scene: SphScene) -> tuple[Array, Array]:
 
 
 def _ground(tank: Array, place: Array, seen: tuple[float, int]) -> float:
-    """The kernel's integral over the floor of a tank, (2, d) corners, around a gauge with a reach and an axis up."""
+    """The integral of the kernel over the floor of a tank, (2, d) corners, around a gauge with a reach and an upward
+    axis.
+    """
     reach, up = seen
     level = [axis for axis in range(len(place)) if axis != up]
     shape = kernel(KERNEL, dim=len(level))
@@ -221,7 +223,7 @@ class Surroundings(NamedTuple):
 
 
 def readings(parameters: Parameters, state: State, pressure: Array) -> Readings:
-    """The values of all gauges, with walls and bodies where `parameters` have them."""
+    """The values of all gauges, with walls and bodies at the positions in `parameters`."""
     numbers, units = dict[str, float](), dict[str, str]()
     if parameters.gauges:
         around = surroundings_of(parameters, state, pressure)
@@ -247,7 +249,7 @@ def surroundings_of(parameters: Parameters, state: State, pressure: Array) -> Su
 
 
 def _read(gauge: Gauge, around: Surroundings, reference: PressureReference) -> Iterator[tuple[str, float, str]]:
-    """Yield the name, the value and the unit of each number of a gauge."""
+    """Yield the name, the value and the unit of each quantity of a gauge."""
     kinds = [name for name in PRESSURES if name in gauge.measures]
     if kinds or "velocity" in gauge.measures:
         close = _close(gauge, around)
@@ -265,7 +267,7 @@ def _read(gauge: Gauge, around: Surroundings, reference: PressureReference) -> I
 
 
 def _close(gauge: Gauge, around: Surroundings) -> Surroundings:
-    """The particles within the range of a gauge, also across periodic sides."""
+    """The particles within the range of a gauge, including those across periodic sides."""
     far = around.reach + float(np.abs(gauge.area - gauge.place).max())
     liquid, solid = (_beside(gauge, position) for position in (around.position, around.solid))
     seen, touched = ((np.abs(position - gauge.place) < far).all(axis=1) for position in (liquid, solid))
@@ -284,7 +286,7 @@ def _beside(gauge: Gauge, position: Array) -> Array:
 
 
 def _at_place(place: Array, around: Surroundings) -> list[float]:
-    """The velocity and the pressure of the liquid at a place, exact for linear fields; zero where it is dry."""
+    """The velocity and the pressure of the liquid at a position, exact for linear fields; zero at a dry position."""
     position, table, reach = around.position, around.table, around.reach
     close = (np.abs(position - place) < reach).all(axis=1)
     pairs = near(place[None], position[close], reach)
@@ -297,8 +299,8 @@ def _at_place(place: Array, around: Surroundings) -> list[float]:
 
 
 def _covered(place: Array, gauge: Gauge, around: Surroundings) -> float:
-    """The fraction of a place that liquid covers, see `ecume.laws.wall_forces`, relative to the space between the sides
-    of the tank and outside of solids.
+    """The fraction of the area around a position that is wet, see `ecume.laws.wall_forces`, relative to the space
+    between the sides of the tank and outside solids.
     """
     spacing, ends = around.spacing, gauge.ends + around.shift - place
     room = math.prod(between_planes(low, high, spacing) for low, high in ends.T.tolist())
@@ -314,7 +316,7 @@ def _smeared(away: Array, volume: Array, spacing: float) -> float:
 
 
 def _depth(gauge: Gauge, around: Surroundings) -> float:
-    """The volume of liquid around a place on the floor, per area of the floor between the present sides."""
+    """The volume of liquid around a position on the floor, per area of the floor between the present sides."""
     axes, reach = np.array([axis for axis in range(len(gauge.place)) if axis != around.up]), around.reach
     level, place = around.position[:, axes], gauge.place[axes]
     close = (np.abs(level - place) < reach).all(axis=1)
@@ -435,8 +437,8 @@ def observe(parameters: Parameters, state: State, workspace: Workspace) -> Frame
 
 
 def passive_arrays(parameters: Parameters, state: State, workspace: Workspace) -> dict[str, Array]:
-    """Arrays with the passive particles after the liquid, as further species. They have no mass; their pressure is that
-    of the surrounding liquid, zero outside.
+    """The arrays with the passive particles after the liquid, as further species. They have no mass; their pressure is
+    that of the surrounding liquid, or zero outside it.
     """
     tracers, material, count = parameters.passive_tracers, parameters.material, state.passive_position.shape[1]
     group = np.repeat(np.arange(len(tracers.groups)), np.diff(tracers.start))
@@ -457,8 +459,8 @@ def passive_arrays(parameters: Parameters, state: State, workspace: Workspace) -
 def of_solids(
     parameters: Parameters, state: State, workspace: Workspace, pushed: list[Repelled]
 ) -> tuple[dict[str, float], dict[str, str]]:
-    """Forces and torques on walls, obstacles and bodies, hits of the guard, and poses of bodies, with units. In 2D
-    forces are per meter of depth, and torques about z.
+    """Forces and torques on walls, obstacles and bodies, reflections, and poses of bodies, with units. In 2D forces are
+    per meter of depth, and torques about z.
     """
     fill(parameters, state, workspace)
     if parameters.viscosity_varies:
@@ -493,8 +495,8 @@ def of_solids(
 
 
 def pose_of(state: State, body: int, letters: tuple[str, str], which: tuple[str, Array]) -> dict[str, float]:
-    """Position, velocity, orientation and spin of a body; the orientation is an angle in 2D, a quaternion in 3D, as
-    turned since the start. letters = (axes of positions, axes of rotation), which = (name, orientation at the start).
+    """Position, velocity, orientation and spin of a body. The orientation is the rotation since the start: an angle in
+    2D, a quaternion in 3D. letters = (axes of positions, axes of rotation), which = (name, orientation at the start).
     """
     (axes, turns), (name, start), pose, move = letters, which, state.pose[:, body], state.motion[:, body]
     found = {f"{name}_{axis}": float(pose[k]) for k, axis in enumerate(axes)}
@@ -524,7 +526,7 @@ LIQUIDS = ("first", "second")
 
 
 def of_liquids(parameters: Parameters, state: State) -> dict[str, float]:
-    """The center of mass of each of two liquids, and its velocity; NaN once all of it has left."""
+    """The center of mass of each of two liquids, and its velocity; NaN once a liquid has left completely."""
     found: dict[str, float] = {}
     for name, (_, who) in zip(LIQUIDS, parameters.parts(state.region), strict=True):
         mass = state.mass[who]
@@ -536,7 +538,7 @@ def of_liquids(parameters: Parameters, state: State) -> dict[str, float]:
 
 
 def of_solver(parameters: Parameters, state: State) -> dict[str, float]:
-    """The iterations since the start, the largest number in a substep, and the mean excess of density."""
+    """The iterations since the start, the largest number of iterations in a substep, and the mean excess of density."""
     excess = np.maximum(state.density / parameters.material.density - 1.0, 0.0)
     return {
         "iterations": float(state.tally[ITERATIONS]),
@@ -562,7 +564,7 @@ def gauge_pressure(parameters: Parameters, state: State) -> Array:
 
 
 def weight_above(parameters: Parameters, position: Array) -> Array:
-    """(N,) Pa: the hydrostatic pressure below the surface of the start that forces omit, at positions (d, N)."""
+    """The hydrostatic pressure (N,) in Pa below the initial surface that forces omit, at positions (d, N)."""
     up = up_axis(parameters)
     weight: Array = -parameters.material.density * parameters.hydrostatic[up] * (parameters.surface - position[up])
     return weight
@@ -617,7 +619,7 @@ DRIFT = 1e-6
 
 
 def invariants(scene: SphScene, parameters: Parameters) -> list[Invariant]:
-    """The rows of a scene."""
+    """The invariants of a scene."""
     return list(_rows(scene, parameters))
 
 
@@ -647,8 +649,8 @@ def _rows(scene: SphScene, parameters: Parameters) -> Iterator[Invariant]:
 
 
 def _faint(parameters: Parameters) -> Callable[[NumberHistory], float]:
-    """The energy of a faint motion, and of a weight that is lifted by a particle's diameter: a liquid at rest moves by
-    some hundredths of that while its layers settle.
+    """The energy of a slight motion, and of the weight lifted by a particle diameter: liquid at rest moves by some
+    hundredths of this while its layers settle.
     """
     pull, fastest = float(np.linalg.norm(parameters.gravity)), parameters.material.fastest
     each = max(liquid.density for liquid in parameters.materials)

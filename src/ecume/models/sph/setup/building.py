@@ -107,8 +107,8 @@ def materials_of(scene: SphScene, material: Material) -> tuple[Material, ...]:
 
 
 def _material(scene: SphScene, given: FluidSpec, fastest: float) -> Material:
-    """A liquid. Two are equally stiff by default, rho c^2: with one speed of sound the weight of a dense liquid would
-    compress a light one below it.
+    """The material of a liquid. By default two liquids are equally stiff, rho c^2: with equal speeds of sound the
+    weight of a dense liquid would compress a light one below it.
     """
     densest = max(liquid_in(region, scene).density or 0.0 for region in scene.fluid)
     sound = given.sound_speed or fastest / NUMERICAL_MACH * math.sqrt(densest / (given.density or densest))
@@ -129,7 +129,7 @@ STIFFER = 30.0
 
 
 def viscosity_at(spec: RheologySpec | None, strain_rate: float) -> float:
-    """Pa s at a rate of strain, without an upper bound; zero for a liquid without rheology."""
+    """The viscosity (Pa s) at a rate of strain, without an upper bound; zero for a liquid without rheology."""
     if spec is None or strain_rate == 0.0:
         return 0.0
     return apparent_viscosity(strain_rate, spec.consistency, spec.exponent, spec.yield_stress, math.inf)
@@ -195,8 +195,8 @@ def strongest_pull(scene: SphScene) -> float:
 
 
 def fall_enthalpy(scene: SphScene, low: Array, high: Array) -> float:
-    """The energy (J/kg) of a fall to the sides of the tank: from the corner `low` toward lower and from `high` toward
-    higher coordinates; zero along periodic sides.
+    """The energy (J/kg) of a fall to the sides of the tank: from the corner `low` toward lower coordinates, and from
+    `high` toward higher ones; zero along periodic sides.
     """
     pull = held_pull(scene)
     way = np.where(pull < 0.0, low - np.array(scene.tank.low), np.array(scene.tank.high) - high)
@@ -204,15 +204,15 @@ def fall_enthalpy(scene: SphScene, low: Array, high: Array) -> float:
 
 
 def weight_enthalpy(scene: SphScene) -> float:
-    """The enthalpy g H (J/kg) at the bottom by the weight of the liquid above."""
+    """The enthalpy g H (J/kg) at the bottom caused by the weight of the liquid above."""
     bounds = [part_of(region, scene.spacing).bounds() for region in scene.fluid]
     extent = np.max([high for _, high in bounds], axis=0) - np.min([low for low, _ in bounds], axis=0)
     return float(np.abs(gravity_of(scene)) @ extent)
 
 
 def channel_enthalpy(scene: SphScene) -> float:
-    """The largest pressure drop by viscosity between no-slip walls behind an inflow, over the density (J/kg). The speed
-    of sound must be large compared with its square root, too [morris1997].
+    """The largest viscous pressure drop between no-slip walls behind an inflow, over the density (J/kg). The speed of
+    sound must also be large compared with its square root [morris1997].
     """
     liquid, drops = filled(scene.liquid), [0.0]
     for number, side in enumerate(sides_of(scene)):
@@ -322,8 +322,8 @@ def central_force_of(scene: SphScene) -> tuple[float, Array]:
 
 
 def bulk_viscosity_of(scene: SphScene, material: Material) -> float:
-    """The bulk viscosity (Pa s) of the acoustic damping; zero without. By default it does not require shorter steps for
-    light bodies.
+    """The bulk viscosity (Pa s) of the acoustic damping; zero without damping. The default does not require shorter
+    steps for light bodies.
     """
     alpha = acoustic_damping_of(scene)
     if alpha == 0.0:
@@ -341,13 +341,13 @@ def bulk_viscosity_of(scene: SphScene, material: Material) -> float:
     full = acoustic_damping(alpha, material.density, smoothing_of(scene), material.sound_speed)
     if scene.method.acoustic_damping is not None:
         return full
-    # The limit by damping is proportional to the mass and to the inverse of the bulk viscosity.
+    # The limit by damping is proportional to the mass of the body and to the inverse of the bulk viscosity.
     step = scene.integration.time_step or min(limits_of(scene, material, 0.0).values())
     return min([full, *(full * damping_limit(scene, spec, material, full) / step for spec in scene.bodies)])
 
 
 def background_of(scene: SphScene, material: Material) -> float:
-    """The background pressure (Pa) of the transport velocity; zero without."""
+    """The background pressure (Pa) of the transport velocity; zero without transport velocity."""
     given = scene.method.background_pressure
     if not pressure_force_of(scene).transported:
         if given is not None:
@@ -371,7 +371,7 @@ BODIES, DAMPING = "the lightest body", "acoustic damping"
 
 
 def limits_of(scene: SphScene, material: Material, bulk_viscosity: float) -> dict[str, float]:
-    """The longest time step (s) for each limit, in any liquid; infinite if a limit does not apply."""
+    """The longest time step (s) for each limit, over all liquids; infinite if a limit does not apply."""
     stiffness, found = material.density * material.sound_speed, list[dict[str, float]]()
     for liquid in materials_of(scene, material):
         ratio = liquid.density * liquid.sound_speed / stiffness if bulk_viscosity else 1.0
@@ -395,7 +395,7 @@ def _limits_in(scene: SphScene, material: Material, bulk_viscosity: float) -> di
 
 
 def damping_step(scene: SphScene, material: Material, bulk_viscosity: float) -> float:
-    """The longest step (s) of schemes whose damping is late; infinite for others."""
+    """The longest time step (s) of schemes in which the damping uses a previous rate; infinite for others."""
     if bulk_viscosity == 0.0 or integrator_of(scene) not in LATE:
         return math.inf
     wavenumber = largest_wavenumber(kernel_of(scene), smoothing_of(scene), scene.spacing)
@@ -440,7 +440,7 @@ def integrator_of(scene: SphScene) -> str:
 
 
 def damping_limit(scene: SphScene, spec: BodySpec, material: Material, bulk_viscosity: float) -> float:
-    """The longest step for a body (s), by the acoustic damping of the liquid before it."""
+    """The longest time step for a body (s) by the acoustic damping of the adjacent liquid."""
     return body_damping_limit(areal_mass_of(spec), bulk_viscosity, kernel_of(scene).overlap / smoothing_of(scene))
 
 
@@ -451,7 +451,7 @@ def areal_mass_of(spec: BodySpec) -> float:
 
 
 def body_limit(scene: SphScene, spec: BodySpec, material: Material, bulk_viscosity: float) -> float:
-    """The longest stable time step for a body (s), by pressure, damping and viscosity of the liquid before it."""
+    """The longest stable time step for a body (s) by pressure, damping and viscosity of the adjacent liquid."""
     kernel, h, areal_mass = kernel_of(scene), smoothing_of(scene), areal_mass_of(spec)
     pressed = body_sound_limit(areal_mass, material.density, material.sound_speed, kernel.overlap / h)
     viscosity = material.viscosity * holds(spec, scene)
@@ -466,8 +466,8 @@ def steps_of(scene: SphScene, material: Material) -> tuple[float, int]:
     limits = limits_of(scene, material, bulk_viscosity_of(scene, material))
     longest = min(limits.values())
     step = scene.integration.time_step or longest
-    # The other limits are estimates with a margin. A body that is too light for its time step diverges; late damping,
-    # too, since the number of substeps follows from the speed of sound alone.
+    # The other limits are estimates with a margin. A body that is too light for its time step diverges, and so does
+    # delayed damping, since the number of substeps follows from the speed of sound alone.
     lenient = NEARLY if limiter(limits) == DAMPING else LENIENT
     if step > min(lenient * longest, limits[BODIES]):
         message = f"got {step:g} s; {limiter(limits)} requires {longest:.3g} s or less"

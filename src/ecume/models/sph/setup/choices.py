@@ -1,7 +1,7 @@
 """The liquid and the methods that a scene selects, with defaults for what it omits, and the laws behind them.
 
-The name and temperature of a liquid give its properties; methods are rows of tables, whose codes and constants the
-sums read.
+The properties of a liquid follow from its name and temperature; methods are rows of tables with the codes and constants
+for the sums.
 """
 
 from __future__ import annotations
@@ -74,7 +74,7 @@ def sides_of(scene: SphScene) -> list[Any]:
 
 
 def gravity_of(scene: SphScene) -> Array:
-    """(d,) m/s^2."""
+    """The acceleration of gravity (d,) in m/s^2."""
     return np.array(scene.gravity, dtype=np.float64)
 
 
@@ -123,7 +123,7 @@ def constants_of(scene: SphScene, material: Material, pull: Array) -> Constants:
     if term.field == "enthalpy":
         delta *= spring
     by_mass = pressure_force_of(scene).by_mass
-    if by_mass:  # neighbors then have their masses as weights, but diffusion is a sum over volumes
+    if by_mass:  # Neighbors then have their masses as weights, but the diffusion is a sum over volumes.
         delta /= material.density
     rise = np.zeros(3)
     if term.balances_weight:
@@ -152,8 +152,8 @@ def constants_of(scene: SphScene, material: Material, pull: Array) -> Constants:
 
 
 def artificial_viscosity_of(scene: SphScene) -> float:
-    """The coefficient alpha of the artificial viscosity: by default zero if the liquid has a viscosity, and in tanks
-    with waves, which it would damp and in which the acoustic damping suffices.
+    """The coefficient alpha of the artificial viscosity. By default it is zero if the liquid has a viscosity, and in
+    tanks with waves: it would damp them, and the acoustic damping is sufficient.
     """
     given = scene.method.artificial_viscosity
     if given is None:
@@ -175,8 +175,8 @@ is critically damped.
 
 
 def impacts_dissipate(scene: SphScene) -> bool:
-    """Whether the method dissipates the sound of impacts: with a free surface, or an interface, and a compressible
-    liquid, unless the scene sets the artificial viscosity to zero.
+    """Whether the method dissipates the sound of impacts: for a compressible liquid with a free surface or an
+    interface, unless the scene sets the artificial viscosity to zero.
     """
     moves = free_surface(scene) or scene.second_liquid is not None
     hits = pressure_of(scene).compressible and moves and scene.tank.walls != "reflect"
@@ -192,8 +192,8 @@ def acoustic_damping_of(scene: SphScene) -> float:
 
 
 def diffusion_of(scene: SphScene, pull: Array) -> str:
-    """The density diffusion by its name. Under surface tension it completes gradients: the pressure falls within the
-    outermost layers, and a diffusion that takes their neighbors for all there are draws particles off the surface.
+    """The density diffusion by its name. Under surface tension, gradients are completed: the pressure decreases within
+    the outermost layers, and without completion the diffusion would draw particles off the surface.
     """
     name = scene.method.density_diffusion
     if name == "automatic" and not pressure_of(scene).compressible:
@@ -214,10 +214,10 @@ def pressure_force_of(scene: SphScene) -> PressureForce:
 
 
 def friction_of(scene: SphScene) -> Friction:
-    """The form of the viscous force: by default the one that is correct at a free surface, if there may be one, and
-    where two viscosities meet: there div(eta grad v) is not the divergence of the viscous stress. Nor is it where the
-    viscosity varies within a liquid, except in shear along walls, for which full tanks keep the exact form: in a
-    channel with 20 particles across the other one has speeds that are 4 % too high.
+    """The form of the viscous force. The default is correct at a possible free surface, and where two viscosities meet;
+    there div(eta grad v) is not the divergence of the viscous stress. Nor is it where the viscosity varies within a
+    liquid, except in shear along walls, for which full tanks use div(eta grad v): with the other form, speeds in a
+    channel with 20 particles across are 4 % too high.
     """
     if scene.method.viscosity_model == "automatic":
         at_surface = "corrected" if scene.method.pressure_force == "corrected" else "monaghan"
@@ -236,8 +236,8 @@ def is_viscous(scene: SphScene) -> bool:
 
 
 def free_surface(scene: SphScene) -> bool:
-    """Whether a part of the liquid's surface may move: a side is open, liquid may leave but not enter, the volume of
-    the tank changes, or the tank is not full.
+    """Whether a part of the surface of the liquid may move: a side is open, liquid may leave but not enter, the volume
+    of the tank changes, or the tank is not full.
     """
     kinds = {side.kind for side in sides_of(scene)}
     drains = "open" in kinds or ("outflow" in kinds and "inflow" not in kinds)
@@ -266,7 +266,9 @@ def _lacking(room: tuple[Any, ...], spacing: float) -> float:
 
 
 def full(scene: SphScene) -> bool:
-    """Whether liquid and solids fill the tank: by their volume, since liquid may touch all sides of a tank with air."""
+    """Whether liquid and solids fill the tank, judged by their volume, since liquid may touch all sides of a tank with
+    air.
+    """
     single = sum(_volume_of(region, scene) for region in scene.fluid if region.particles is not None)
     shapes = tuple(region for region in scene.fluid if region.particles is None)
     lacking = _lacking((scene.tank, shapes, (*scene.obstacles, *scene.bodies), single), scene.spacing)
@@ -275,7 +277,7 @@ def full(scene: SphScene) -> bool:
 
 
 def _volume_of(region: RegionSpec, scene: SphScene) -> float:
-    """The volume of single particles: that of lattice cells, where they have no masses."""
+    """The volume of a region of single particles without masses: that of lattice cells."""
     table = region.particles
     if table is None or not table.masses:
         return 0.0 if table is None else float(len(table.positions) * scene.spacing ** len(scene.tank.low))
@@ -284,8 +286,8 @@ def _volume_of(region: RegionSpec, scene: SphScene) -> float:
 
 
 def fixed_volume(scene: SphScene) -> bool:
-    """Whether walls and periodic sides keep the volume of the liquid. Without gravity a uniform pressure has no effect,
-    and the density stays that of the particles.
+    """Whether walls and periodic sides fix the volume of the liquid. Without gravity a uniform pressure has no effect,
+    and the density is that of the particles.
     """
     closed = all(side.kind in ("wall", "periodic") for side in sides_of(scene))
     return closed and bool(held_pull(scene).any()) and not free_surface(scene)
@@ -335,7 +337,9 @@ def contact_cosine(scene: SphScene, spec: SideSpec | ObstacleSpec | BodySpec) ->
 
 
 def require_wetting(scene: SphScene) -> None:
-    """Raise SceneError for contact angles that have no effect: without surface tension, or with another model of it."""
+    """Raise SceneError for contact angles without effect: without surface tension, or with a model that does not
+    support them.
+    """
     named = {"liquid": scene.liquid, **{f"tank.{name}": getattr(scene.tank, name) for name in scene.sides}}
     named |= {f"obstacles[{index}]": spec for index, spec in enumerate(scene.obstacles)}
     named |= {f"bodies[{index}]": spec for index, spec in enumerate(scene.bodies)}
@@ -357,7 +361,7 @@ def require_wetting(scene: SphScene) -> None:
 
 
 def wet_walls(scene: SphScene) -> dict[str, SideSpec]:
-    """The sides that the liquid meets with a contact angle: walls that do not only reflect."""
+    """The sides at which the liquid has a contact angle: all walls except those that only reflect."""
     sides = {name: getattr(scene.tank, name) for name in scene.sides}
     return {} if scene.tank.walls == "reflect" else {name: side for name, side in sides.items() if side.kind == "wall"}
 
@@ -400,8 +404,8 @@ def substance_of(given: FluidSpec) -> LiquidProperties | None:
 
 
 def filled(given: FluidSpec) -> FluidSpec:
-    """The liquid with density, viscosity and surface tension: values in the scene take precedence over those of the
-    named liquid. One with a rheology has no other viscosity.
+    """The liquid with density, viscosity and surface tension: values in the scene override those of the named liquid. A
+    liquid with a rheology has no other viscosity.
     """
     named = substance_of(given)
     density, viscosity, tension = (WATER, 0.0, 0.0) if named is None else [getattr(named, key) for key in FILLED]
@@ -433,7 +437,7 @@ PRESSURE_LAWS: dict[str, list[Source]] = {
 
 
 def laws_of(scene: Any) -> list[Source]:
-    """The laws behind the kernel, pressure, diffusion, friction, tension and time step of a scene."""
+    """The sources of the kernel, pressure, diffusion, friction, tension and time step of a scene."""
     liquid, name = filled(scene.liquid), diffusion_of(scene, gravity_of(scene))
     excess = DIFFUSIONS[name].excess
     form = kernels.KERNELS[scene.method.kernel]

@@ -91,8 +91,8 @@ def velocity_in(region: RegionSpec, scene: SphScene, points: Array) -> Array:
 
 
 def _wave_velocity(region: RegionSpec, scene: SphScene, points: Array) -> Array:
-    """The velocity (N, 2) of a standing wave along x and upwards: half a wavelength fits into the tank, and the region
-    defines the depth.
+    """The velocity (N, 2) of a standing wave along x and upwards: half a wavelength is the width of the tank, and the
+    depth is that of the region.
     """
     low, high, up = scene.tank.low, scene.tank.high, scene.up_axis
     depth = float(part_of(region, scene.spacing).bounds()[1][up]) - low[up]
@@ -105,9 +105,9 @@ def _wave_velocity(region: RegionSpec, scene: SphScene, points: Array) -> Array:
 
 
 def pressure_in(region: RegionSpec, scene: SphScene, points: Array, density: float) -> Array:
-    """The gauge pressure (N,) in Pa of a region's flow, without the hydrostatic part.
+    """The gauge pressure (N,) in Pa of the flow in a region, without the hydrostatic part.
 
-    Without it a weakly compressible liquid starts with sound waves, which only viscosity damps.
+    Without this pressure a weakly compressible liquid starts with sound waves, which only viscosity damps.
     """
     if scene.method.initial_pressure == "zero":
         return np.zeros(len(points))
@@ -138,7 +138,7 @@ def _free(scene: SphScene) -> bool:
 
 
 def _deforming(region: RegionSpec, scene: SphScene, points: Array, density: float) -> Array:
-    """The pressure in a free ball or square, zero at its surface."""
+    """The pressure in a free ball or square that deforms, zero at its surface."""
     dimension = points.shape[1]
     gradient = np.array(region.velocity_gradient or np.zeros((dimension, dimension)))
     rate = scene.central_force.angular_frequency if scene.central_force else 0.0
@@ -182,8 +182,8 @@ SEAM = 1e-6
 
 
 def ways_up(points: Array, up: Array, own: int, parts: Sequence[Part]) -> list[tuple[Array, Integers]]:
-    """The heights (N,) of liquid above points of a region (m), and the region of each: first that region, then those on
-    top of it.
+    """The heights (N,) of liquid above points of a region (m), with the region of each height: first that region, then
+    the regions on top of it.
     """
     way = parts[own].way_out(points, up)
     found: list[tuple[Array, Integers]] = [(way.copy(), np.full(len(points), own))]
@@ -201,8 +201,8 @@ def ways_up(points: Array, up: Array, own: int, parts: Sequence[Part]) -> list[t
 
 
 def head_below(ways: list[tuple[Array, Integers]], pull: float, liquids: Sequence[Material]) -> Array:
-    """The enthalpy (N,) in J/kg below these heights of the liquids of all regions. Where one liquid ends, the other one
-    has the same pressure.
+    """The enthalpy (N,) in J/kg below these heights of liquid. The pressure is continuous where one liquid ends and the
+    other begins.
     """
     if all(liquid is liquids[0] for liquid in liquids):
         total = ways[0][0].copy()
@@ -226,8 +226,8 @@ def column_head(column: Sequence[tuple[Material, float]], pull: float) -> float:
 
 
 def cells_of(scene: SphScene) -> list[tuple[Cells, Flags]]:
-    """The lattice cells that the particles of each region represent, and flags of the particles of a table that were
-    kept (all, without a table).
+    """The lattice cells that the particles of each region represent, and flags of the particles of a table that are
+    used (all, without a table).
     """
     found: list[tuple[Cells, Flags]] = []
     earlier: list[Part] = []
@@ -251,7 +251,7 @@ def cells_of(scene: SphScene) -> list[tuple[Cells, Flags]]:
 
 
 def room_of(scene: SphScene, *, single: bool) -> Box:
-    """The box in which liquid may start: the tank, and for `single` particles of another run also the space beyond its
+    """The box in which liquid may start: the tank, and for `single` particles of another run also the space outside its
     open sides.
     """
     tank = np.array([scene.tank.low, scene.tank.high])
@@ -276,7 +276,7 @@ def free_cells(shape: Part, scene: SphScene, earlier: Sequence[Part], solids: Se
     odd = unaligned(shape, cells, [solid for solid in solids if bounds_meet(shape, solid)], spacing)
     fitting = [solid for solid in solids if all(solid is not other for other in odd)]
     cells = cells.those(apart(cells.centers, earlier) & free_of(cells.centers, fitting, spacing))
-    if not len(cells.centers):  # earlier regions cover it
+    if not len(cells.centers):  # earlier regions cover this one
         return cells
     return scaled_to(cells.those(roomiest(cells, odd, free, scene.up_axis)) if odd else cells, free)
 
@@ -286,7 +286,9 @@ MOST_UNEVEN = 0.25
 
 
 def lattice_of(part: Part, spacing: float, others: Sequence[Part]) -> Cells:
-    """The lattice of a part of space that ends at the faces of others, unless its cells were too uneven for that."""
+    """The lattice of a part of space, which ends at the faces of other parts unless its cells would become too
+    uneven.
+    """
     faces = [other.faces() for other in others]
     cells = part.cells(spacing, np.concatenate(faces) if faces else None)
     uneven = len(cells.widths) and (cells.widths.max(axis=1) / cells.widths.min(axis=1)).max() > 1.0 + MOST_UNEVEN
@@ -294,8 +296,8 @@ def lattice_of(part: Part, spacing: float, others: Sequence[Part]) -> Cells:
 
 
 def roomiest(cells: Cells, solids: Sequence[Shape], volume: float, up: int) -> Flags:
-    """Flags of the cells to keep so that their total volume is nearest to this one: the cells farthest from the solids.
-    Of cells at one height with equal distances, as in a symmetric scene, all or none are kept.
+    """Flags of the cells to use so that their total volume is nearest to `volume`: the cells farthest from the solids.
+    Of cells at one height with equal distances, as in a symmetric scene, all or none are used.
     """
     gap, height, close = gaps_to(solids, cells.centers), cells.centers[:, up], ALIGNED * cells.widths.min()
     order = np.lexsort((height, np.round(gap / close)))
@@ -337,8 +339,8 @@ def _fits(part: Part, cells: Cells, solid: Shape, close: float) -> bool:
 
 
 def _kept(points: Array, earlier: Sequence[Part], solids: Sequence[Shape]) -> Flags:
-    """Flags of the single particles that are neither in other liquid nor inside a solid. They keep their distances,
-    however small, from the particles of other tables and from solids.
+    """Flags of the single particles that are neither in other liquid nor inside a solid. Their distances from the
+    particles of other tables and from solids may be arbitrarily small.
     """
     others = [part for part in earlier if not isinstance(part, Cloud)]
     return apart(points, others) & free_of(points, solids, 0.0)

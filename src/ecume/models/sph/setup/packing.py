@@ -2,14 +2,14 @@
 
 The concentration of particles, C = sum_j V_j W, is one in a uniform arrangement. Pressure drives particles down its
 gradient, sum_j V_j grad W: from a lattice with gaps at an obstacle, still water starts to slosh. Particles near such
-surfaces therefore start where the gradient vanishes: they are moved down the gradient with inertia until it has, among
-the images and dummies that the walls have in the run. Beyond a free surface the lattice is continued.
+surfaces therefore start where the gradient vanishes: they are moved down the gradient with inertia until it vanishes.
+The images and dummies of the walls are those of the run, and the lattice is continued beyond a free surface.
 
 Colagrossi, Bouscasse, Antuono and Marrone, Comput. Phys. Commun. 183 (2012) 1641. [colagrossi2012] The integration is
 FIRE: Bitzek et al., Phys. Rev. Lett. 97 (2006) 170201. [bitzek2006]
 
-Sums over the neighbors of a particle in a lattice, and over waves of the lattice: constants of the pressure solver
-for incompressible liquids, and the limit of particle shifting.
+The file also has sums over a lattice and over its waves. They give constants of the pressure solver for incompressible
+liquids, and the limit of particle shifting.
 """
 
 from __future__ import annotations
@@ -57,7 +57,7 @@ TINY = 1e-300
 
 
 class Particles(NamedTuple):
-    """The particles in the sums during packing: liquid first, then all that do not move."""
+    """The particles in the sums during packing: moving liquid first, then all fixed particles."""
 
     position: Array
     """(n, d)"""
@@ -80,7 +80,7 @@ class Limits(NamedTuple):
     """m, from solids"""
 
     def held(self, position: Array) -> Array:
-        """Positions within the limits."""
+        """The positions, clamped to the limits."""
         position = position.copy()
         for solid in self.solids:
             gap, normal = solid.nearest(position)
@@ -91,7 +91,7 @@ class Limits(NamedTuple):
 
 
 def packed(scene: SphScene, regions: Sequence[Cells], solids: Sequence[Shape]) -> list[Cells]:
-    """The cells of all regions, with those near unaligned `solids` moved; the same cells without such solids."""
+    """The cells of all regions, with those near unaligned `solids` moved; unchanged without such solids."""
     drawn = np.concatenate([np.full(len(cells.centers), spec.particles is None)
                             for cells, spec in zip(regions, scene.fluid, strict=True)])  # fmt: skip
     position = np.concatenate([cells.centers for cells in regions])
@@ -151,7 +151,7 @@ def _beyond(scene: SphScene, support: float) -> list[tuple[Array, Array]]:
 
 
 def _nearest(points: Array, others: Array, within: float) -> Array:
-    """The distances (N,) to the nearest of others, infinite beyond `within`."""
+    """The distances (N,) to the nearest of the other points; infinite beyond `within`."""
     if len(others) == 0:
         return np.full(len(points), np.inf)
     from scipy.spatial import cKDTree
@@ -239,7 +239,7 @@ class Pairs(NamedTuple):
 
 
 def _displacement(particles: Particles, pairs: Pairs) -> float:
-    """The largest one since the pairs were listed."""
+    """The largest displacement since the pairs were listed."""
     return math.sqrt(float(((particles.position - pairs.reference) ** 2).sum(axis=1).max()))
 
 
@@ -275,7 +275,7 @@ def distances(particles: Particles, pairs: Pairs) -> tuple[list[Array], Array]:
 
 
 def concentration_gradient(particles: Particles, pairs: Pairs, kernel: Kernel, length: float) -> Array:
-    """(m, d) of the moving particles, sum_j V_j grad W (1/m)."""
+    """The concentration gradient (m, d) at the moving particles, sum_j V_j grad W (1/m)."""
     away, distance = distances(particles, pairs)
     slope = kernel.normalization / length ** (kernel.dim + 2) * np.asarray(kernel.shape_slope(distance / length))
     of_one, of_other = slope * pairs.volume[pairs.other], slope * pairs.volume[pairs.one]
@@ -288,7 +288,7 @@ def concentration_gradient(particles: Particles, pairs: Pairs, kernel: Kernel, l
 
 
 def concentrations(particles: Particles, kernel: Kernel, length: float) -> Array:
-    """(m,) of the moving particles, sum_j V_j W: one in a uniform arrangement."""
+    """The concentration (m,) at the moving particles, sum_j V_j W, which is one in a uniform arrangement."""
     pairs = pairs_of(particles, kernel.support * length)
     weight = np.asarray(kernel.value(distances(particles, pairs)[1], length))
     total = np.bincount(pairs.one, weight * pairs.volume[pairs.other], len(pairs.volume))
@@ -334,9 +334,9 @@ def lattice_sum(scene: SphScene, points: Array) -> float:
 
 
 def surface_rows(scene: SphScene, points: Array) -> tuple[Array, Array]:
-    """The sums |sum of V grad W| (1/m) and the missing densities, over the density, of the rows of a lattice below its
+    """The sums |sum of V grad W| (1/m) and the missing densities, over the density, of the rows of a lattice below a
     flat surface, the deepest first. Rows with less than a tenth of the largest gradient count as full, since disorder
-    has such gradients.
+    causes such gradients.
     """
     kernel, h = kernel_of(scene), smoothing_of(scene)
     volume, total = scene.spacing**kernel.dim, lattice_sum(scene, points)
@@ -377,7 +377,7 @@ def wave_vectors(scene: SphScene, count: int) -> Array:
 
 def shifting_limit(scene: SphScene) -> float:
     """The largest product (m^2) of the shifting coefficient and the time with which no small displacement wave of the
-    lattice overshoots: the inverse of the largest eigenvalue of minus the change of the concentration gradient.
+    lattice overshoots: the inverse of the largest eigenvalue of minus the derivative of the concentration gradient.
     """
     kernel, h, points = kernel_of(scene), smoothing_of(scene), lattice(scene)
     volume, usual = scene.spacing**kernel.dim, kernel.value(scene.spacing, h)

@@ -16,7 +16,7 @@ MOST_RATIO = 1000.0
 
 
 class Limit(NamedTuple):
-    """What two liquids cannot be combined with."""
+    """Options that cannot be combined with two liquids."""
 
     found: Callable[[SphScene], Iterable[tuple[str, str]]]
     """the paths of options of this kind in a scene, and what they are"""
@@ -24,7 +24,7 @@ class Limit(NamedTuple):
 
 
 def _named(part: str, key: str, *harmless: str) -> Callable[[SphScene], Iterator[tuple[str, str]]]:
-    """The name in a table of the scene that differs from these."""
+    """A function that yields the name in a table of the scene, if it is not one of the given names."""
 
     def found(scene: SphScene) -> Iterator[tuple[str, str]]:
         value = getattr(getattr(scene, part), key)
@@ -35,7 +35,7 @@ def _named(part: str, key: str, *harmless: str) -> Callable[[SphScene], Iterator
 
 
 def _given(part: str, *keys: str) -> Callable[[SphScene], Iterator[tuple[str, str]]]:
-    """The keys in a table of the scene that have a value."""
+    """A function that yields the keys in a table of the scene that have a value."""
     return lambda scene: ((f"{part}.{key}", "") for key in keys if getattr(getattr(scene, part), key))
 
 

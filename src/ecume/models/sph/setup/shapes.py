@@ -77,7 +77,7 @@ def solids_of(scene: SphScene) -> list[Shape]:
 
 
 def gaps_to(solids: Sequence[Shape], points: Array) -> Array:
-    """(N,) how far each point is outside of the nearest solid; infinite without solids."""
+    """The distance (N,) of each point from the nearest solid, positive outside; infinite without solids."""
     gap = np.full(len(points), np.inf)
     for solid in solids:
         gap = np.minimum(gap, solid.nearest(points)[0])
@@ -91,9 +91,7 @@ def free_of(points: Array, solids: Sequence[Shape], spacing: float) -> Flags:
 
 
 def dummies_of(shape: Shape, spacing: float, support: float) -> tuple[Array, Array]:
-    """The dummies (n, d) of a solid and their volumes, which fill the whole shape; the core deeper than the support is
-    omitted.
-    """
+    """The dummies (n, d) of a solid and their volumes, which fill the shape down to the depth of the support."""
     if isinstance(shape, Ball) and len(shape.center) == 2:
         points, volume = _rings_of(shape, spacing)
     elif isinstance(shape, Polygon) and shape.convex():
@@ -105,7 +103,7 @@ def dummies_of(shape: Shape, spacing: float, support: float) -> tuple[Array, Arr
 
 
 def obstacle_dummies(scene: SphScene, support: float) -> list[tuple[Array, Array]]:
-    """Dummies of each obstacle, without those in an earlier one or outside of the tank."""
+    """The dummies of each obstacle, without those inside an earlier obstacle or outside the tank."""
     low, high = np.array(scene.tank.low), np.array(scene.tank.high)
     found, earlier = [], list[Shape]()
     for shape in obstacles_of(scene):
@@ -118,7 +116,7 @@ def obstacle_dummies(scene: SphScene, support: float) -> list[tuple[Array, Array
 
 
 def _rows_of(shape: Polygon, spacing: float, support: float) -> tuple[Array, Array]:
-    """Rows of points along the edges, one spacing apart; unlike an oblique lattice they leave no holes."""
+    """Rows of points parallel to the edges, one spacing apart; unlike an oblique lattice they leave no holes."""
     points, volume, outer = [np.zeros((0, 2))], [np.zeros(0)], shape
     for row in range(round_up(support, spacing) + 1):
         inner, middle = shape.inset((row + 1) * spacing), shape.inset((row + 0.5) * spacing)
@@ -133,7 +131,7 @@ def _rows_of(shape: Polygon, spacing: float, support: float) -> tuple[Array, Arr
 
 
 def _rings_of(shape: Ball, spacing: float) -> tuple[Array, Array]:
-    """Rings of points one spacing apart, which make the surface as smooth as possible."""
+    """Rings of points one spacing apart, for a smooth surface."""
     rings = round_up(shape.radius, spacing)
     width = shape.radius / rings
     points, volume = [], []
@@ -152,7 +150,7 @@ ON_SIDE = 1e-9
 
 def _cut_rows(shape: Shape, tank: tuple[Array, Array], spacing: float, support: float) -> tuple[Array, Array] | None:
     """Rows of points along the surface of a disc or convex polygon inside the tank, one spacing apart, each from side
-    to side; None if no side cuts or touches the shape.
+    to side of the tank; None if no side cuts or touches the shape.
     """
     (low, high), (first, last) = tank, shape.bounds()
     if ((first > low) & (last < high)).all() or ((first >= high) | (last <= low)).any():
@@ -172,7 +170,9 @@ def _cut_rows(shape: Shape, tank: tuple[Array, Array], spacing: float, support: 
 
 
 def _row_along(shape: Ball | Polygon, middle: Polygon, tank: tuple[Array, Array], spacing: float) -> Array:
-    """Points along an inset outline from side to side; if it meets none, along all of it, as symmetric as the shape."""
+    """Points along an inset outline between sides of the tank; if the outline meets no side, along all of it, as
+    symmetric as the shape.
+    """
     if not _exposed(middle, tank).all():
         return np.concatenate([np.zeros((0, 2)), *(_centers(chain, spacing) for chain in _chains(middle, tank))])
     if isinstance(shape, Ball):
@@ -212,7 +212,7 @@ def _exposed(polygon: Polygon, tank: tuple[Array, Array]) -> Flags:
 
 
 def _chains(polygon: Polygon, tank: tuple[Array, Array]) -> list[Array]:
-    """The parts of an outline that lies on a side of the tank, without those on sides, as corners (K, 2) each."""
+    """The parts of an outline on a side of the tank, without the edges on sides, as corners (K, 2) each."""
     exposed, corners = _exposed(polygon, tank), polygon.vertices
     count, found, begin, joined = len(corners), list[list[Array]](), int(np.argmin(exposed)), False
     for k in range(begin, begin + count):
@@ -225,7 +225,7 @@ def _chains(polygon: Polygon, tank: tuple[Array, Array]) -> list[Array]:
 
 
 def _centers(chain: Array, spacing: float) -> Array:
-    """The centers of equal pieces of a line about as long as the spacing."""
+    """The centers of equal pieces of a line, each about one spacing long."""
     along = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(chain, axis=0), axis=1))])
     count = max(1, round(float(along[-1]) / spacing))
     place = (np.arange(count) + 0.5) * along[-1] / count

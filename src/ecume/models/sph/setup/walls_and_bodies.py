@@ -1,6 +1,4 @@
-"""Boundaries of a scene: planes with images behind them, layers of dummy particles, surfaces of the guard, open sides
-and bodies.
-"""
+"""Boundaries of a scene: mirrors with images, layers of dummy particles, reflecting surfaces, open sides and bodies."""
 
 from __future__ import annotations
 
@@ -57,8 +55,8 @@ def boundary_of(scene: SphScene, material: Material, support: float) -> Boundary
 
 
 def require_long_periods(scene: SphScene, support: float) -> None:
-    """Raise SceneError if a periodic tank is shorter than a support, in which a particle would miss further images of
-    its neighbors.
+    """Raise SceneError if a periodic tank is shorter than a support: a particle would then interact with several images
+    of a neighbor.
     """
     size = np.array(scene.tank.high) - np.array(scene.tank.low)
     for axis in range(len(size)):
@@ -138,7 +136,9 @@ def imaging_sides(scene: SphScene) -> tuple[Sides, Array, Integers]:
 
 
 def _row(scene: SphScene, number: int, axis: int, hold: bool) -> list[float]:
-    """The row of a side: point, normal, shift or velocity, whether it mirrors, whether it has no slip, acceleration."""
+    """The row of a side: point, normal, shift or velocity, whether it is a mirror, whether it has no slip,
+    acceleration.
+    """
     low, high = np.array(scene.tank.low), np.array(scene.tank.high)
     side, first = side_of(scene, number), number % 2 == 0
     normal, third = np.zeros(len(low)), np.zeros(len(low))
@@ -152,7 +152,7 @@ def _row(scene: SphScene, number: int, axis: int, hold: bool) -> list[float]:
 
 
 def layers_around(scene: SphScene, support: float) -> tuple[Array, Array]:
-    """Layers of dummies (n, d) with the thickness of the support behind the walls of the tank, and their volumes."""
+    """The layers of dummies (n, d) behind the walls of the tank, as thick as the support, and their volumes."""
     low, high = np.array(scene.tank.low), np.array(scene.tank.high)
     dimension, spacing = len(low), scene.spacing
     if scene.tank.walls != "dummy":
@@ -161,7 +161,7 @@ def layers_around(scene: SphScene, support: float) -> tuple[Array, Array]:
     for axis in range(dimension):
         cells, widths = fitted_axis(low[axis], high[axis], spacing)
         layers = math.ceil(support / widths[0] - 1e-9)
-        # Walls continue beside the buffers of in- and outflows.
+        # Walls continue along the buffers of in- and outflows.
         first = -layers if side_of(scene, 2 * axis).kind in LAYERED else 0
         last = len(cells) + layers if side_of(scene, 2 * axis + 1).kind in LAYERED else len(cells)
         axes.append(low[axis] + widths[0] * (np.arange(first, last) + 0.5))
@@ -201,7 +201,9 @@ of a dam break.
 
 
 def guard_of(scene: SphScene, support: float) -> Guard:
-    """The surfaces of the guard: all sides that are walls, and the obstacles with surfaces (see `has_surfaces`)."""
+    """The surfaces that reflect particles: all sides that are walls, and obstacles with few surfaces (see
+    `has_surfaces`).
+    """
     pieces, owner, own = [], list[int](), list[Any]()
     low, high = np.array(scene.tank.low), np.array(scene.tank.high)
     for number, name in enumerate(scene.sides):
@@ -242,7 +244,7 @@ COEFFICIENTS = ("restitution", "tangential_restitution")
 
 
 def _own(scene: SphScene, spec: Any, key: str) -> float:
-    """The coefficient of a side or an obstacle, by default that of the tank."""
+    """The coefficient of a side or an obstacle; the default is that of the tank."""
     given = getattr(spec, key)
     return float(getattr(scene.tank, key) if given is None else given)
 
@@ -259,7 +261,7 @@ def _nothing(dimension: int) -> dict[str, Any]:
 
 
 def has_surfaces(shape: Shape) -> bool:
-    """Whether a shape is a box, a ball or a convex polygon: few surfaces, which the guard can use. Other shapes move
+    """Whether a shape is a box, a ball or a convex polygon, whose few surfaces can reflect particles. Other shapes move
     particles to the nearest point of their surface.
     """
     return isinstance(shape, (Ball, Box)) or (isinstance(shape, Polygon) and shape.convex())
@@ -327,8 +329,8 @@ def _walled(scene: SphScene, axis: int) -> bool:
 
 
 def bounds_of(scene: SphScene) -> Array:
-    """The limits (2, d) beyond which liquid that left through an open side is lost: one diagonal of the tank away from
-    it.
+    """The limits (2, d) beyond which liquid that left through an open side is removed: one diagonal of the tank away
+    from the tank.
     """
     low, high = np.array(scene.tank.low), np.array(scene.tank.high)
     ends, far = np.array([low, high]), length(high - low)
@@ -402,7 +404,7 @@ def paths_of(scene: SphScene) -> tuple[tuple[int, BodyPath], ...]:
 
 
 def _drive_of_body(spec: BodyMotionSpec, dimension: int, duration: float) -> Drive:
-    """The drive of displacement and angle, four rows."""
+    """The drive of displacement and angle of a body, four rows."""
     height, times, values = np.zeros(4), np.zeros(1), np.zeros((4, 1))
     if spec.times:
         times, values = np.array(spec.times), np.zeros((4, len(spec.times)))
@@ -426,7 +428,7 @@ TRIED = 200
 
 
 def _instants(drive: Drive, duration: float) -> Array:
-    """Times of a run at which a path is compared with the walls."""
+    """The times of a run at which a path is compared with the walls."""
     # The extrema of the first periods suffice for a sine.
     ends = [((k + 0.5) * math.pi - drive.phase) / drive.turning for k in range(-3, 6) if drive.turning > 0.0]
     times = np.concatenate([np.linspace(0.0, duration, TRIED), drive.times, ends])
@@ -434,8 +436,8 @@ def _instants(drive: Drive, duration: float) -> Array:
 
 
 def _require_within_walls(scene: SphScene, body: int, path: BodyPath) -> None:
-    """Raise SceneError where a path leads through a wall of the tank: images would be made of its dummies. It may lead
-    through open sides.
+    """Raise SceneError where a path leads through a wall of the tank, since the wall would create images of the
+    dummies. A path may lead through open sides.
     """
     slack = TOUCHING * scene.spacing
     walled = [number for number, side in enumerate(sides_of(scene)) if side.kind != "open"]
@@ -497,7 +499,7 @@ def _require_possible(scene: SphScene) -> None:
 
 
 def _named(scene: SphScene) -> list[tuple[str, Shape]]:
-    """Obstacles and bodies as messages call them."""
+    """Obstacles and bodies with their names in messages."""
     return list(zip(scene.solid_labels, solids_of(scene), strict=True))
 
 
