@@ -246,10 +246,9 @@ def _along_walls(
     """Yield the loads that correct the forces along walls near a solid that touches two walls. Half of the force on the
     dummies of a wall along this wall is moved to the wall across it.
 
-    Where liquid ends on a wall, the force of pairs
-    along the wall is twice the force that pairs across any other section of the liquid transmit to the wall: half of it
-    acts between parts of the wall. In a corner of the tank it acts on the dummies there (`bearer`). The solid itself
-    has the force of its surface integral alone.
+    Where liquid ends on a wall, the force of pairs along the wall is twice the force that pairs across any other
+    section of the liquid transmit to the wall: half of it acts between parts of the wall. In a corner of the tank it
+    acts on the dummies there (`bearer`). The solid itself has the force of its surface integral alone.
     """
     boundary, (force, place) = now.boundary, on_dummies
     sides = {owner: _share(now, gap) for owner, gap in least.items() if owner < 2 * now.dimension}
@@ -273,8 +272,8 @@ def _along_walls(
 
 def _shared(now: Parameters, mine: Solid, least: dict[int, float], more: Load) -> Iterator[tuple[int, Load]]:
     """Yield the additional loads of a solid and of its neighbors, which add up to zero: see `_portions`. Each of two
-    solids gets half of its own difference, and the opposite of half of the other's. Neighbors are the walls in reach,
-    and the nearest solid, since a more distant solid may not touch anything.
+    solids gets half of its difference, and the opposite of half of the other's. Neighbors are the walls in reach, and
+    the nearest solid, since a more distant solid may not touch anything.
     """
     centers, (force, torque) = now.boundary.centers, more
     nearest = min((gap for owner, gap in least.items() if owner >= 2 * now.dimension), default=np.inf)
