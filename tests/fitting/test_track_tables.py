@@ -262,3 +262,48 @@ def test_many_objects_at_different_instants_are_refused_before_there_is_memory_f
     (tmp_path / "beads.csv").write_text("id,t,x,y\n" + "".join(f"{n},{n},0,0\n" for n in range(5000)))
     with pytest.raises(BadInput, match="5000 objects at 5000 instants are more than 20000000 places"):
         read_tracks(tmp_path / "beads.csv")
+
+
+@pytest.mark.parametrize("marks", [("", ""), ("(", ")"), ("[", "]")])
+@pytest.mark.parametrize(
+    ("above", "head", "units", "columns"),
+    [
+        ("", "t;x;y;id", "s;mm;mm;", "1e0;{0};{1};A"),
+        ("", "t;x;y;id", "ms;mm;mm;-", "1e3;{0};{1};A"),
+        ("mass A;;\n", "t;x;y", "s;cm;cm", "1e0;{0};{1}"),
+        ("", "t;xA;yA;xB;yB", "s;mm;mm;mm;mm", "1e0;{0};{1};{2};{3}"),
+        ("", "Time;X;Y;Track ID", "seconds;micrometers;micrometers;", "1e0;{0};{1};A"),
+    ],
+)
+def test_units_in_a_line_below_the_head_count(marks, above, head, units, columns, tmp_path):
+    words = units.split(";")
+    length = {"mm": 1e3, "cm": 1e2, "micrometers": 1e6}[words[1]]
+    row = ";".join(f"{marks[0]}{word}{marks[1]}" if word.isalpha() else word for word in words)
+    times = float(columns.partition(";")[0]) * TIMES
+    cells = columns.partition(";")[2]
+    body = [
+        f"{t:.9g};{cells.format(*(f'{length * value:.9g}' for value in (*one, *other)))}".replace(".", ",")
+        for t, one, other in zip(times, ONE, OTHER, strict=True)
+    ]
+    file = tmp_path / "tracks.csv"
+    file.write_text(above + "\n".join([head, row, *body]))
+    found = read_tracks(file)
+    assert found.times == pytest.approx(TIMES)
+    assert found.position[:, 0] == pytest.approx(ONE, abs=1e-9)
+
+
+def test_text_instead_of_a_number_is_no_lost_spot(tmp_path):
+    file = tmp_path / "tracks.csv"
+    file.write_text(
+        "t,x,y,id\n?,here,there,\n" + "".join(f"{t},{x},{y},1\n" for t, (x, y) in zip(TIMES, ONE, strict=True))
+    )
+    with pytest.raises(BadInput, match="line 2, time: got '\\?'"):
+        read_tracks(file)
+
+
+@pytest.mark.parametrize("head", ["TRACK ID", "Track ID", "trackID", "track_id", "TrackID", "Particle ID"])
+def test_names_of_columns_are_read_with_blanks_and_without(head, tmp_path):
+    file = tmp_path / "tracks.csv"
+    rows = [(t, *place, who) for who, path in ((1, ONE), (2, OTHER)) for t, place in zip(TIMES, path, strict=True)]
+    file.write_text(f"t (s),x (m),y (m),{head}\n" + "".join(",".join(map(str, row)) + "\n" for row in rows))
+    assert read_tracks(file).names == ("1", "2")

@@ -40,18 +40,27 @@ MOST_NAMED = 20
 MOST_BYTES = 256 * 2**20
 MOST_PLACES = 2 * 10**7
 """The largest number of objects times instants."""
-NAMES = {
+SPELLED = {
     "x": ("x", "position_x"),
     "y": ("y", "position_y"),
     "time": ("t", "time", "position_t", "zeit", "temps", "tiempo", "tempo"),
     "frame": ("frame", "slice n°", "slice", "bild", "image", "imagen"),
     "object": (
-        "track_id", "tid", "track n°", "trajectory", "particle", "track", "object", "id", "objekt", "objet", "objeto",
-        "teilchen", "particule", "spur",
+        "track_id", "tid", "track n°", "trajectory", "trajectory_id", "particle", "particle_id", "track", "object",
+        "object_id", "id", "objekt", "objet", "objeto", "teilchen", "particule", "spur",
     ),
 }  # fmt: skip
 """The accepted names of columns, in lower case, also in German, French and Spanish; the first one in the table is
 used."""
+
+
+def _plain(name: str) -> str:
+    """A name in lower case without blanks and underscores: programs differ in these."""
+    return name.lower().replace("_", "").replace(" ", "")
+
+
+NAMES = {kind: tuple(map(_plain, names)) for kind, names in SPELLED.items()}
+"""The same as they are compared."""
 HEAD = re.compile(r"\s*([^\[\](),;]*?)\s*(?:[\[(]\s*([^\[\]()]*?)\s*[\])])?\s*")
 UNITS = {"micron": "um", "microns": "um", "µm": "um", "sec": "s", "msec": "ms"}
 """Names of units in TrackMate and ImageJ that differ from those of ecume."""
@@ -123,12 +132,15 @@ def _apart(spots: Sequence[Spot], taken: set[str], name: str) -> list[Spot]:
 
 Rows = list[tuple[int, list[str]]]
 """The number and the cells of each line."""
+UNIT_ALONE = re.compile(r"\s*[\[(]?\s*([^\s\[\](),;0-9]{1,20})\s*[\])]?\s*")
+"""A cell that holds a unit and nothing else."""
 NUMERIC = re.compile(r"[+-]?(?:[0-9]+[.,]?[0-9]*|[.,][0-9]+)(?:[eE][+-]?[0-9]+)?")
 OF_OBJECT = re.compile(
-    r"\s*([xy])(?:[_ ]?([0-9]+)|[_ ]([^\[\](),;]*?))?\s*((?:[\[(][^\[\]()]*[\])])?)\s*", re.IGNORECASE
+    r"\s*([xy])(?:[_ .]?([0-9]+)|(?:[_ ]|(?-i:(?<=[xy])(?=[A-Z])))([^\[\](),;]*?))?\s*((?:[\[(][^\[\]()]*[\])])?)\s*",
+    re.IGNORECASE,
 )
-"""A column of one object: x, x1 or x_A."""
-OBJECT_OF = re.compile(r"\s*([^\[\](),;]*?)[/_ ]([xy])\s*((?:[\[(][^\[\]()]*[\])])?)\s*", re.IGNORECASE)
+"""A column of one object: x, x1, xA or x_A."""
+OBJECT_OF = re.compile(r"\s*([^\[\](),;]*?)[/_ .]([xy])\s*((?:[\[(][^\[\]()]*[\])])?)\s*", re.IGNORECASE)
 """The same with the object before it: A_x, or Trajectory 1/X."""
 BEHIND = re.compile(r"[\[(][^\[\]()]*[\])]\s*$")
 """The unit of a column, in brackets or parentheses behind its name."""
@@ -156,9 +168,9 @@ def in_rows_of_objects(rows: Rows, name: str) -> Rows:
     if not {"x", "t"} & {cell.lower() for cell in first} and len(rows) > 1 and _is_head(rows[1][1]):
         heads, body = [cell.strip() for cell in rows[1][1]], rows[2:]
         above = _named_above(first, len(heads), name)
-    words = [match[1].lower() if (match := HEAD.fullmatch(cell[:200])) else "" for cell in heads]
+    words = [_word(cell) for cell in heads]
     time = next((words.index(word) for word in words if word in NAMES["time"]), _place(words, NAMES["frame"]))
-    if time is None or any(word in NAMES["object"] for word in words) or words.count("position_x"):
+    if time is None or any(word in NAMES["object"] for word in words) or words.count("positionx"):
         return rows
     whole = _pairs(heads, above, OF_OBJECT) or _pairs(heads, above, OBJECT_OF)
     if not whole:
@@ -204,9 +216,42 @@ def _pairs(heads: Sequence[str], above: Sequence[str], form: re.Pattern[str]) ->
 
 
 def _with_units(rows: Rows) -> Rows:
-    """The table with units in its head in brackets, where they are in parentheses or behind an underscore."""
-    (line, head), *body = rows
+    """The table with units in its head in brackets, where they are behind an underscore or in a line below the head."""
+    (line, head), *body = _without_row_of_units(rows)
     return [(line, [_bracketed(cell[:200]) for cell in head]), *body]
+
+
+def _without_row_of_units(rows: Rows) -> Rows:
+    """The table with the units of a line below its head in the head; names of objects may be above the head."""
+    for place in range(min(2, len(rows) - 1)):
+        (line, heads), (_, below) = rows[place : place + 2]
+        units = [_alone(cell) for cell in below]
+        lengths = [unit for head, unit in zip(heads, units, strict=False) if _word(head)[:1] in ("x", "y")]
+        if len(lengths) > 1 and all(map(_is_length, lengths)) and not any(map(NUMERIC.fullmatch, below)):
+            joined = [
+                f"{head} [{unit}]" if unit and not _unit_behind(head) else head
+                for head, unit in zip(heads, [*units, *[""] * len(heads)], strict=False)
+            ]
+            return [*rows[:place], (line, joined), *rows[place + 2 :]]
+    return rows
+
+
+def _alone(cell: str) -> str:
+    match = UNIT_ALONE.fullmatch(cell[:200])
+    return match[1] if match else ""
+
+
+def _is_length(unit: str) -> bool:
+    try:
+        return unit.lower() in PIXELS or factor(UNITS.get(unit, unit), "m") > 0.0
+    except ValueError:
+        return False
+
+
+def _word(head: str) -> str:
+    """The name of a column without its unit, as in NAMES."""
+    match = HEAD.fullmatch(head[:200])
+    return _plain(match[1]) if match else ""
 
 
 def _bracketed(cell: str) -> str:
@@ -304,7 +349,7 @@ def _columns(
 ) -> tuple[dict[str, Column], list[tuple[int, list[str]]]]:
     """The recognized columns, and the lines below the header."""
     heads = [HEAD.fullmatch(cell[:200]) for cell in rows[0][1]]
-    words = [match[1].lower() if match else "" for match in heads]
+    words = [_word(cell) for cell in rows[0][1]]
     places = {kind: _place(words, known) for kind, known in NAMES.items()}
     missing = [kind for kind in ("x", "y", "object") if places[kind] is None]
     missing += ["t or frame"] if places["time"] is None and places["frame"] is None else []
@@ -320,7 +365,7 @@ def _columns(
     found = {kind: place for kind, place in places.items() if place is not None}
     _require_single(words, rows, found.values())
     _refuse_thousands(body, places)
-    usual = "" if words[found["x"]] == "position_x" else "m"  # TrackMate: see the last header line
+    usual = "" if words[found["x"]] == "positionx" else "m"  # TrackMate: see the last header line
     if "time" in found and not _unit(units, found["time"]) and camera.rate is not None:
         _require_counted(body, found["time"])
     return _scaled(found, units, camera, usual), body
@@ -440,9 +485,9 @@ def _spots(body: Sequence[tuple[int, list[str]]], columns: Mapping[str, Column])
             raise ValueError(f"line {number}: {len(row)} cells are fewer than in the head")
         who = row[columns["object"].place].strip()
         lost = any(row[columns[kind].place].strip().lower() in NO_OBJECT for kind in ("x", "y"))
-        if who.lower() not in NO_OBJECT and not lost:
+        if not lost:  # text instead of numbers is an error in spots of no track, too
             when, x, y = (_number(number, kind, row, columns[kind]) for kind in ("time", "x", "y"))
-            found.append((_named(who), when, x, y))
+            found += [(_named(who), when, x, y)] * (who.lower() not in NO_OBJECT)
     if not found:
         raise ValueError("has no rows below the header")
     return found
