@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from ecume.trajectories.foreign import dcd, dumps, lammps, xyz
-from ecume.trajectories.foreign.particles import MOST_PARTICLES
+from ecume.trajectories.foreign.particles import MOST_PARTICLES, edges_of
 
 PLACES = np.array(
     [[[1.0, 2.0, 0.0], [5.0, 2.0, 0.0], [9.5, -3.0, 0.0]], [[1.5, 1.75, 0], [5.5, 1.75, 0], [10, -3.25, 0]]]
@@ -278,3 +278,34 @@ def test_angles_of_a_dcd_box_are_upright_within_rounding(tmp_path, angles, tilte
     usual, other = (struct.pack("<6d", 20.0, a, 10.0, b, c, 1.0) for a, b, c in ((90.0, 90.0, 90.0), angles))
     (tmp_path / "box.dcd").write_bytes(dcd_file().replace(usual, other))
     assert bool(dcd.read(tmp_path / "box.dcd").tilt) == tilted
+
+
+TURNED = [[0, 20, 0], [-10, 0, 0], [0, 0, 1]]
+"""The edges of a box of 10 x 20 x 1, turned by 90 degrees: the first image of each edge is one up and one back."""
+FROM_IMAGES = np.array([[2, 1, 0], [-1, 2, 0]])
+
+
+@pytest.mark.parametrize("third", [[0, 0, 1], [0, 0, 0]])
+def test_edges_turned_by_right_angles_are_a_rectangular_box(third):
+    edges = [*TURNED[:2], third]
+    found = edges_of(np.array(edges, float))
+    assert (found.sides, found.tilt) == ((10.0, 20.0, float(third[2])), 0.0)
+    images = np.array([[1, -2, 0], [2, 1, 0]])
+    assert (images @ found.images == FROM_IMAGES).all()
+    text = " ".join(str(value) for edge in edges for value in edge)
+    comment = f'Lattice="{text}" Properties=species:S:1:pos:R:3:image:I:3'
+    of_xyz = xyz.read(f"2\n{comment}\nA 1 2 0 1 -2 0\nA 3 4 0 2 1 0\n")
+    assert (of_xyz.sides, of_xyz.tilt) == (found.sides, 0.0)
+    assert (of_xyz.image == FROM_IMAGES).all()
+    data = "".join(f"{' '.join(map(str, edge))} {name}vec\n" for edge, name in zip(edges, "abc", strict=True))
+    of_data = lammps.read(f"title\n\n2 atoms\n{data}0 0 0 abc origin\n\nAtoms # atomic\n\n1 1 1 2 0\n2 1 3 4 0\n")
+    assert (of_data.sides, of_data.tilt) == (found.sides, 0.0)
+    bounds = "".join(f"{' '.join(map(str, edge))} 0\n" for edge in edges)
+    head = "ITEM: TIMESTEP\n0\nITEM: NUMBER OF ATOMS\n2\nITEM: BOX BOUNDS abc origin pp pp pp\n"
+    of_dump = dumps.read(f"{head}{bounds}ITEM: ATOMS id x y z ix iy iz\n1 1 2 0 1 -2 0\n2 3 4 0 2 1 0\n")
+    assert (of_dump.sides, of_dump.tilt) == (found.sides, 0.0)
+    assert (of_dump.image == FROM_IMAGES).all()
+
+
+def test_edges_turned_by_other_angles_are_a_tilted_box():
+    assert edges_of(np.array([[8.0, 6.0, 0.0], [-6.0, 8.0, 0.0], [0.0, 0.0, 1.0]])).tilt == pytest.approx(6.0)

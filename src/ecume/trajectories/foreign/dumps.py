@@ -9,9 +9,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ecume.trajectories.foreign.particles import (
+    AXES,
     FileFault,
     Particles,
     box_of,
+    edges_of,
     frame_number,
     instant_of,
     number,
@@ -31,7 +33,6 @@ POSITIONS = (("x", "y", "z"), ("xu", "yu", "zu"), ("xs", "ys", "zs"), ("xsu", "y
 IMAGES = ("ix", "iy", "iz")
 KINDS = ("type", "element")
 DENSITIES = ("density", "rho")
-AXES = 3
 
 
 class Table(NamedTuple):
@@ -166,12 +167,15 @@ def _particles(table: Table) -> Particles:
         raise FileFault(f"got the columns {' '.join(table.columns)[:60]}; expected x y z or xs ys zs", table.line - 1)
     if "s" in columns[0]:
         position = low + position @ lattice.T
-    sides = np.abs(lattice.diagonal()) if len(table.box[0]) > AXES else lattice.diagonal()  # edges point anywhere
-    tilt = float(np.abs(lattice - np.diag(lattice.diagonal())).max())
+    images = _images(table, place_of, order, columns)
+    if len(table.box[0]) > AXES:  # edges point anywhere
+        sides, tilt, turned = edges_of(lattice.T)
+        images = None if images is None else images @ turned
+    else:
+        sides, tilt = lattice.diagonal(), float(np.abs(lattice - np.diag(lattice.diagonal())).max())
     return Particles(
         names, kind[len(names) :], position, velocity, diameter, given["mass"], density,
-        box_of(sides.tolist()), tilt,
-        _images(table, place_of, order, columns), table.instant, table.timed,
+        box_of(sides), tilt, images, table.instant, table.timed,
     )  # fmt: skip
 
 

@@ -12,6 +12,7 @@ from ecume.trajectories.foreign.particles import (
     FileFault,
     Particles,
     box_of,
+    edges_of,
     number,
     require_count,
     require_different,
@@ -143,9 +144,8 @@ def _header(lines: Sequence[Line]) -> tuple[dict[str, tuple[int, int]], tuple[fl
         elif match := TILT.fullmatch(text):
             tilt = max(abs(number(match[part], line.number)) for part in (1, 2, 3))
     if len(edges) == 3:
-        box_edges = np.array([edges[name] for name in "abc"])
-        spans = dict(zip("xyz", np.abs(box_edges.diagonal()).tolist(), strict=True))
-        tilt = float(np.abs(box_edges - np.diag(box_edges.diagonal())).max())
+        sides, tilt, _ = edges_of(np.array([edges[name] for name in "abc"]))
+        spans = dict(zip("xyz", sides, strict=True))
     box = box_of([spans[axis] for axis in "xyz"]) if len(spans) == 3 else None
     return counts, box, tilt
 

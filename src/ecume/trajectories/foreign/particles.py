@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 MOST_PARTICLES = 1_000_000
 LONGEST_WORD = 40
+AXES = 3
 
 
 class Particles(NamedTuple):
@@ -109,6 +110,35 @@ def box_of(sides: Sequence[float], line: int | None = None) -> Sides | None:
     if not (math.isfinite(x) and math.isfinite(y) and math.isfinite(z) and min(x, y, z) >= 0.0):
         raise FileFault(f"got a box with the sides {x:g}, {y:g} and {z:g}; expected positive ones", line)
     return (x, y, z) if x > 0.0 and y > 0.0 else None
+
+
+class Edges(NamedTuple):
+    """A box that is given by its three edges."""
+
+    sides: tuple[float, float, float]
+    """along x, y and z"""
+    tilt: float
+    """The largest component of an edge that makes the box no rectangular one along the axes; 0 without."""
+    images: NDArray[np.int64]
+    """(3, 3) the sides along each axis that one image along each edge is; edges may be turned by right angles"""
+
+
+def edges_of(edges: NDArray[np.float64]) -> Edges:
+    """The box of edges (3, 3), one a row: along the axes in any order and direction, or tilted.
+
+    >>> edges_of(np.array([[0.0, 2.0, 0.0], [-3.0, 0.0, 0.0], [0.0, 0.0, 1.0]])).sides
+    (3.0, 2.0, 1.0)
+    """
+    size = np.abs(edges)
+    images, diagonal = np.eye(AXES, dtype=np.int64), size.diagonal()
+    # the row of each column's largest number: those of a box along the axes differ. An edge of 0 is that of z
+    order = (size + np.finfo(np.float64).tiny * np.eye(AXES)).argmax(axis=0)
+    if sorted(order.tolist()) == [*range(AXES)]:
+        images[...] = 0
+        images[order, np.arange(AXES)] = np.where(edges[order, np.arange(AXES)] < 0.0, -1, 1)
+        diagonal = size[order, np.arange(AXES)]
+    x, y, z = diagonal.tolist()
+    return Edges((x, y, z), float((size * (images == 0)).max()), images)
 
 
 def require_different(ids: Sequence[float] | NDArray[np.float64], line: int) -> None:

@@ -6,7 +6,6 @@ The comment of an extended file names the columns (`Properties=species:S:1:pos:R
 
 from __future__ import annotations
 
-import itertools
 import re
 from collections.abc import Callable, Mapping, Sequence
 from typing import NamedTuple
@@ -15,9 +14,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ecume.trajectories.foreign.particles import (
+    AXES,
     FileFault,
     Particles,
+    Sides,
     box_of,
+    edges_of,
     frame_number,
     instant_of,
     number,
@@ -46,7 +48,6 @@ MEANINGS = {
 VECTORS = {"position", "velocity", "momentum"}
 PLANAR = {"image"}
 """Vectors that may have two components."""
-AXES = 3
 
 
 class Column(NamedTuple):
@@ -88,13 +89,13 @@ def _frame(lines: Sequence[str], starts: Sequence[int], index: int) -> Particles
     single = {name: array[:, 0] for name, array in values.items() if name not in VECTORS | PLANAR}
     diameter = single.get("diameter", 2.0 * single["radius"] if "radius" in single else None)
     names, kind = numbered(words)
-    sides, tilt = _box(comment, start + 2)
+    box, image = _box(comment, start + 2), _images(values.get("image"))
     mass, density = single.get("mass"), single.get("density")
     velocity = _velocities(values, start + 2)
     instant = instant_of(comment.get("time", ""))
     return Particles(
-        names, kind, values["position"], velocity, diameter, mass, density, sides, tilt, _images(values.get("image")),
-        instant, instant is not None,
+        names, kind, values["position"], velocity, diameter, mass, density, box.sides, box.tilt,
+        None if image is None else image @ box.images, instant, instant is not None,
     )  # fmt: skip
 
 
@@ -162,13 +163,20 @@ def _values(rows: Sequence[Sequence[str]], column: Column, line: int) -> NDArray
     return np.fromiter(cells, np.float64).reshape(len(rows), column.width)
 
 
-def _box(comment: dict[str, str], line: int) -> tuple[tuple[float, float, float] | None, float]:
-    """The sides of the box and its tilt; none where it is not periodic."""
+class Box(NamedTuple):
+    """A box; without sides where it is not periodic."""
+
+    sides: Sides | None
+    tilt: float
+    images: NDArray[np.int64]
+    """(3, 3) the sides along each axis of an image along each edge"""
+
+
+def _box(comment: dict[str, str], line: int) -> Box:
     if "lattice" not in comment or not {"t", "1"} & {*comment.get("pbc", "T").lower()}:
-        return None, 0.0
+        return Box(None, 0.0, np.eye(AXES, dtype=np.int64))
     words = comment["lattice"].split()
     if len(words) != 9:
         raise FileFault(f"got a Lattice of {len(words)} numbers; expected 9", line)
-    matrix = np.array([number(word, line) for word in words]).reshape(3, 3)
-    off = max(abs(float(matrix[i, j])) for i, j in itertools.permutations(range(3), 2))
-    return box_of(np.abs(matrix.diagonal()).tolist(), line), off
+    found = edges_of(np.array([number(word, line) for word in words]).reshape(3, 3))
+    return Box(box_of(found.sides, line), found.tilt, found.images)
