@@ -10,14 +10,8 @@ from ecume.errors import SceneError
 from ecume.laws import capillarity
 from ecume.laws.drag import pair_factor
 from ecume.models import MODELS
-from ecume.models.floating.forces.films import (
-    CLOSEST,
-    film_excess,
-    film_forces,
-    find_films,
-    make_films,
-    solve_velocities,
-)
+from ecume.models.floating.coupled.mobility import MobilityOfEach
+from ecume.models.floating.forces.films import CLOSEST, film_excess, find_films, make_films, solve_with_films
 from tests.models import begun
 from tests.models.floating.bowls import WATER, scene_of
 
@@ -46,7 +40,7 @@ def test_two_that_are_pushed_together_go_slower_by_lambda():
     parameters, state, workspace = begun(beads([(0.0, 0.0), (2.1 * RADIUS, 0.0)]))
     pairs = find_films(parameters.parts.resistances[0], parameters, state.position, workspace.lists)
     velocity = np.array([[1e-3, 2e-4], [-1e-3, 5e-4]])
-    solve_velocities(pairs, parameters.kick.gain, velocity)
+    solve_with_films(MobilityOfEach(parameters.kick.gain), pairs, velocity.reshape(-1), np.zeros(4))
     excess = pair_factor(2.1) - pair_factor(4.0)
     wanted = np.array([[1e-3 / (1 + excess), 2e-4], [-1e-3 / (1 + excess), 5e-4]])
     assert velocity == pytest.approx(wanted, rel=1e-5)
@@ -75,15 +69,20 @@ def test_films_do_not_slow_floats_of_one_velocity_and_keep_momentum():
     parameters, state, workspace = begun(beads(places.tolist()))
     pairs = find_films(parameters.parts.resistances[0], parameters, state.position, workspace.lists)
     assert len(pairs.friction) > 40
-    together = np.full((16, 2), 3e-3)
-    solve_velocities(pairs, parameters.kick.gain, together)
-    assert together == pytest.approx(np.full((16, 2), 3e-3), rel=1e-12)
+    mobility, together = MobilityOfEach(parameters.kick.gain), np.full(32, 3e-3)
+    solve_with_films(mobility, pairs, together, np.zeros(32))
+    assert together == pytest.approx(np.full(32, 3e-3), rel=1e-12)
     given = 1e-3 * rng.normal(size=(16, 2))
     slowed, force = given.copy(), np.zeros((16, 2))
-    assert 0 < solve_velocities(pairs, parameters.kick.gain, slowed) < 100
+    assert 0 < solve_with_films(mobility, pairs, slowed.reshape(-1), force.reshape(-1)) < 100
     assert slowed.sum(axis=0) == pytest.approx(given.sum(axis=0), abs=1e-15)
-    film_forces(pairs, slowed, force)
     assert slowed == pytest.approx(given + parameters.kick.gain[:, None] * force, abs=1e-12)
+    for (i, j), along, friction in zip(
+        np.stack([pairs.first, pairs.second], 1), pairs.along, pairs.friction, strict=True
+    ):
+        force[i] -= friction * ((slowed[j] - slowed[i]) @ along) * along
+        force[j] += friction * ((slowed[j] - slowed[i]) @ along) * along
+    assert np.abs(force).max() < 1e-8 * friction * np.abs(slowed).max()
     assert np.sum(slowed**2) < np.sum(given**2)
 
 

@@ -10,15 +10,8 @@ from ecume.errors import SceneError
 from ecume.laws.drag import pair_factor
 from ecume.laws.pair_mobility import compact_raft, raft_speed_factor, surface_mobility
 from ecume.models import MODELS
-from ecume.models.floating.coupled.mobility import (
-    CoupledKicks,
-    add_divergence,
-    closing_mobility,
-    fill_mobility,
-    solve_with_films,
-    subtract_far_field,
-)
-from ecume.models.floating.forces.films import find_films
+from ecume.models.floating.coupled.mobility import CoupledKicks, MobilityMatrix, add_divergence, fill_mobility
+from ecume.models.floating.forces.films import closing_of, find_films, solve_with_films, subtract_far_field
 from ecume.models.floating.setup.hydrodynamic_interaction import GasWarning, ReynoldsWarning
 from ecume.models.floating.setup.scene_parameters import memory_estimate
 from ecume.models.floating.time_integration.integration import forces_at
@@ -60,7 +53,7 @@ def test_the_matrix_of_a_run_is_that_of_the_law():
     dice = np.random.default_rng(2)
     position, radius = dice.normal(0.0, 2.0, (9, 2)), dice.uniform(0.3, 1.5, 9)
     mobility = np.empty((18, 18))
-    fill_mobility(CoupledKicks(radius, np.zeros(0), 0.7, 0.0), position, mobility)
+    fill_mobility(MobilityMatrix(mobility), CoupledKicks(radius, np.zeros(0), 0.7, 0.0), position)
     assert mobility == pytest.approx(surface_mobility(position, radius, 0.7), rel=1e-12, abs=1e-16)
 
 
@@ -74,7 +67,7 @@ def test_the_matrix_with_spins_is_symmetric_and_positive_definite_in_a_thousand_
         position = dice.normal(0.0, 10.0 ** dice.uniform(-1.5, 1.5), (count, 2))
         spin = np.zeros(count) if dice.random() < 0.7 else np.zeros(0)
         mobility = np.empty((2 * count + len(spin), 2 * count + len(spin)))
-        fill_mobility(CoupledKicks(radius, spin, 1.0, 0.0), position, mobility)
+        fill_mobility(MobilityMatrix(mobility), CoupledKicks(radius, spin, 1.0, 0.0), position)
         assert mobility == pytest.approx(mobility.T, rel=1e-13)
         scale = np.sqrt(np.diag(mobility))
         assert np.linalg.eigvalsh(mobility / np.outer(scale, scale)).min() > 1e-4
@@ -91,10 +84,10 @@ def test_the_drift_is_the_divergence_of_the_matrix(spins):
         for side, way in zip(sides, (step, -step), strict=True):
             moved = position.copy()
             moved.flat[axis] += way
-            fill_mobility(part, moved, side)
+            fill_mobility(MobilityMatrix(side), part, moved)
         expected += 2.5 * (sides[0] - sides[1])[:, axis] / (2.0 * step)
     found = np.zeros(size)
-    add_divergence(part, position, found)
+    add_divergence((), part, position, found)
     assert found == pytest.approx(expected, abs=1e-7 * np.abs(expected).max())
 
 
@@ -122,9 +115,8 @@ def test_the_memory_of_the_matrix_is_counted():
 def test_the_spin_by_a_force_is_half_the_rotation_of_its_flow():
     """Rigid rotation: a far force turns a float as half the curl of a point force's flow says, and in its sense."""
     mobility = np.empty((6, 6))
-    fill_mobility(
-        CoupledKicks(np.array([1.0, 0.5]), np.zeros(2), 1.0, 0.0), np.array([[0.0, 0.0], [3.0, 4.0]]), mobility
-    )
+    part = CoupledKicks(np.array([1.0, 0.5]), np.zeros(2), 1.0, 0.0)
+    fill_mobility(MobilityMatrix(mobility), part, np.array([[0.0, 0.0], [3.0, 4.0]]))
     # A force along y on the first float; the second is to its right, where the flow turns clockwise.
     assert mobility[5, 1] == pytest.approx(-2.0 * 3.0 / (8.0 * math.pi * 125.0), rel=1e-12)
     assert mobility[5, 0] == pytest.approx(2.0 * 4.0 / (8.0 * math.pi * 125.0), rel=1e-12)
@@ -163,20 +155,20 @@ def test_films_leave_the_speed_of_rigid_rafts_and_add_no_force():
         beads(2.002 / 2.0 * RADIUS * compact_raft(7), more="lubrication = { roughness = 1e-8 }\n")
     )
     own, films = workspace.scratch.integrator, parameters.parts.resistances[0]
-    fill_mobility(parameters.parts.integrator, state.position, own.mobility)
+    fill_mobility(own.mobility, parameters.parts.integrator, state.position)
     pairs = find_films(films.films, parameters, state.position, workspace.lists)
     subtract_far_field(films, parameters, state.position, pairs)
     assert pairs.friction.min() >= 0.0 < pairs.friction.max()
     together, own.load[:] = np.tile([3e-3, -1e-3], 7), 0.0
     own.motion[:] = together
-    solve_with_films(pairs, own)
+    solve_with_films(own.mobility, pairs, own.motion, own.load)
     assert own.motion == pytest.approx(together, rel=1e-9)
     own.motion[:] = given = 1e-3 * np.random.default_rng(1).normal(size=14)
-    solve_with_films(pairs, own)
+    solve_with_films(own.mobility, pairs, own.motion, own.load)
     assert np.abs(own.load.reshape(7, 2).sum(axis=0)).max() < 1e-12 * np.abs(own.load).max()
-    assert own.motion == pytest.approx(given + own.mobility @ own.load, rel=1e-9)
+    assert own.motion == pytest.approx(given + own.mobility.matrix @ own.load, rel=1e-9)
     assert own.load @ own.motion < 0.0
-    closing = [closing_mobility(pairs, row, own.mobility) for row in range(len(pairs.friction))]
+    closing = [closing_of(own.mobility, pairs, row) for row in range(len(pairs.friction))]
     assert min(closing) > 0.0
 
 

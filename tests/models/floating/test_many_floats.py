@@ -13,13 +13,12 @@ from ecume.models.floating.coupled import many_floats
 from ecume.models.floating.coupled.many_floats import (
     ERROR,
     MATRIX_UP_TO,
-    GridKicks,
     best_spacing,
     flow_divergence,
     flow_product,
     place_flow_grid,
 )
-from ecume.models.floating.coupled.mobility import CoupledKicks, add_divergence
+from ecume.models.floating.coupled.mobility import CoupledKicks, GridKicks, add_divergence
 from ecume.models.floating.setup import hydrodynamic_interaction
 from tests.models.floating.bowls import WATER, scene_of
 
@@ -57,7 +56,7 @@ def test_products_and_drifts_are_those_of_the_matrix(fine, spread):
     found = flow_product(grid, force)
     assert np.sqrt(np.mean((found - expected) ** 2) / np.mean(expected**2)) < ERROR
     drift = np.zeros(180)
-    add_divergence(CoupledKicks(radius, np.zeros(0), 0.02, 1.0), position, drift)
+    add_divergence((), CoupledKicks(radius, np.zeros(0), 0.02, 1.0), position, drift)
     assert np.abs(flow_divergence(grid, position).ravel() - drift).max() < 2.0 * ERROR * np.abs(drift).max()
     # Symmetric: the velocity of one float by a force on another is that of the other by a force on the one.
     other = np.random.default_rng(5).normal(size=(90, 2))
@@ -107,7 +106,7 @@ def test_a_raft_that_is_pressed_together_moves_as_with_the_matrix(fine, few_are_
     assert numbers["contacts"] >= 20
     assert numbers["deepest_overlap"] < on_grid.slop
     # The forces of contacts are equal and opposite.
-    load = workspace.scratch.integrator.motion.load.reshape(-1, 2)
+    load = workspace.scratch.integrator.load.reshape(-1, 2)
     assert np.abs(load.sum(axis=0)).max() < 1e-9 * np.abs(load).max()
     assert np.abs(load - workspace.force).max() > 0.1 * np.abs(workspace.force).max()
 

@@ -34,8 +34,7 @@ from ecume.models.floating.contacts.collisions import (
     separate,
     with_friction_impulses,
 )
-from ecume.models.floating.coupled.many_floats import GridImpulses, collide_on_grid
-from ecume.models.floating.coupled.mobility import (
+from ecume.models.floating.coupled.hydrodynamics import (
     CoupledImpulses,
     collide_coupled,
     rubbing_impulses_of,
@@ -204,11 +203,6 @@ CONTACTS["rolling friction"] = replace(
         **CONTACTS["friction"].needs, "single drag": "the couple of a contact turns neighbors through the liquid, too",
     },
     laws=(friction.impulse, friction.rolling_limit),
-)  # fmt: skip
-CONTACTS["coupled on a grid"] = replace(
-    CONTACTS["coupled"], constants=GridImpulses, before_drift=collide_on_grid, state=unchanged_state,
-    make=_simple(GridImpulses()),
-    inertia=lambda part: None,
 )  # fmt: skip
 CONTACTS["coupled friction"] = replace(CONTACTS["coupled"], path="contacts.friction", make=rubbing_impulses_of)
 OF_THE_CHOICE = frozenset({"name", "path", "make", "gives", "needs", "laws"})

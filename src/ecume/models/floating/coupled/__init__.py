@@ -1,5 +1,6 @@
-"""Hydrodynamic interaction of floats: overdamped motion with a full mobility matrix.
+"""Floats that move one another by the flow of the liquid.
 
-`mobility` fills the matrix and multiplies by it, with the integrator, the contacts and the near field of pairs; read it
-first. For more than a thousand floats no matrix is stored: `many_floats` computes its products with vectors on a grid.
+`mobility` has the mobility as an operator: of each float by itself, as a matrix, or for more than a thousand floats by
+products on the grid of `many_floats`. `hydrodynamics` has the integrator and the contacts, for all of them; read it
+first.
 """

@@ -1,5 +1,4 @@
-"""Hydrodynamic interaction of many floats by products with the mobility instead of its matrix;
-integrator and contacts.
+"""Hydrodynamic interaction of many floats by products with the mobility instead of its matrix.
 
 Forces, contacts and noise need only products with the mobility, which is split in two parts (`laws.ewald`). The
 short-range part is a sparse matrix of near pairs. For the smooth part, forces are assigned to a grid by splines,
@@ -8,8 +7,7 @@ splines, so that the product is symmetric. The grid has twice the extent of the 
 Velocities err by `ERROR` of their r.m.s. value for forces of random sign. All sums have a fixed order, for any number
 of threads.
 
-The integrator is that of `mobility`, with products instead of the matrix. Python runs the time steps and calls compiled
-parts, because the Fourier transforms are SciPy functions.
+Python runs the time steps and calls compiled parts, because the Fourier transforms are SciPy functions.
 """
 
 from __future__ import annotations
@@ -24,42 +22,10 @@ from numpy.typing import NDArray
 from ecume._jit import admit, compiled, compiled_inside, prange, threaded
 from ecume.engine import interpolation
 from ecume.engine.cells import Integers, make_cells, sort_into_cells
-from ecume.engine.contact import contacts as touching
-from ecume.engine.contact import mobility_contacts
-from ecume.engine.contact.contacts import Contacts
-from ecume.engine.contact.impulse_solvers import Tolerance
 from ecume.engine.interpolation import Spread
-from ecume.engine.linear_solvers.lanczos import root_by_products
 from ecume.laws import ewald, pair_mobility
 from ecume.laws.ewald import smooth_curvature, smooth_flow, spline_correction
 from ecume.laws.pair_mobility import rotne_prager
-from ecume.models.floating.contacts.collisions import clear_impulses
-from ecume.models.floating.contacts.thermal_collisions import collide_on_paths, require_distances
-from ecume.models.floating.coupled.mobility import (
-    CoupledKicks,
-    CoupledScratch,
-    add_coupled_work,
-    add_current,
-    begin_contacts,
-    fastest_motion,
-    fill_current,
-    fill_normals,
-    flow_of,
-    gather_contacts,
-    store_driven,
-    store_velocities,
-)
-from ecume.models.floating.parameters import (
-    DRIVEN,
-    SWEEPS,
-    UNCONVERGED,
-    Parameters,
-    Parts,
-    Scratch,
-    State,
-    Workspace,
-    memory_of,
-)
 from ecume.units import Array
 
 admit(pair_mobility, ewald)
@@ -388,166 +354,3 @@ def _waves_of(grid: FlowGrid, charge: Array) -> NDArray[np.complex128]:
 
 MATRIX_UP_TO = 1000
 """The largest number of floats with a matrix: with more, it needs gigabytes for contacts, and more time."""
-RESIDUAL = 5e-4
-"""The largest approach of touching floats after a solve, over that before it."""
-TOLERABLE = 0.1
-"""The largest approach in a step that still counts as converged, over the tolerated overlap."""
-PRODUCTS = 60.0
-"""Products of a time step in a growing raft."""
-NEIGHBORS, POINTS = 140.0, 10.0
-"""Near pairs and grid points for each float, about."""
-
-
-class GridKicks(NamedTuple):
-    """Constants of many floats that interact through the flow of the liquid."""
-
-    kicks: CoupledKicks
-
-
-class GridImpulses(NamedTuple):
-    """Contacts without friction that are solved by products with the mobility."""
-
-    overlapping: bool = False
-    """see `collisions.Impulses`"""
-
-
-class GridScratch(NamedTuple):
-    """Workspace of the integrator and the contacts."""
-
-    motion: CoupledScratch
-    """without a matrix"""
-    grid: list[FlowGrid]
-    """one grid, placed in each step"""
-
-
-def make_grid_scratch(part: GridKicks) -> GridScratch:
-    """Return the workspace."""
-    count = len(part.kicks.radius)
-    motion = CoupledScratch(
-        np.zeros((0, 0)), np.zeros(2 * count), np.zeros(2 * count), np.zeros((count, 2)), flow_of(part.kicks)
-    )
-    return GridScratch(motion, [])
-
-
-def grid_memory(part: GridKicks) -> float:
-    """Bytes of the near pairs and of the grid."""
-    return len(part.kicks.radius) * (40.0 * NEIGHBORS + 200.0 * POINTS)
-
-
-def grid_pairs(part: GridKicks) -> float:
-    """The work of a time step in units of one pair: one for a near pair and about ten for a grid point, in each
-    product.
-    """
-    return PRODUCTS * len(part.kicks.radius) * (NEIGHBORS + 10.0 * POINTS)
-
-
-def fastest_on_grid(
-    part: GridKicks, scratch: GridScratch, parameters: Parameters, state: State, workspace: Workspace
-) -> float:
-    """Compute the velocities by forces, without the current; return the highest speed, NaN if any is NaN."""
-    kicks, motion = part.kicks, scratch.motion
-    if not np.isfinite(state.position).all():
-        return math.nan
-    grid = place_flow_grid(state.position, kicks.radius, kicks.viscosity, kicks.thermal > 0.0)
-    scratch.grid[:] = [grid]
-    motion.load[:] = workspace.force.ravel()
-    motion.motion[:] = flow_product(grid, workspace.force).ravel()
-    fill_current(motion, parameters, state)
-    if kicks.thermal > 0.0:
-        store_driven(motion, workspace)
-        motion.motion[:] += kicks.thermal * flow_divergence(grid, state.position).ravel()
-    return float(fastest_motion(motion))
-
-
-def predict_on_grid(
-    part: GridKicks, parts: Parts, scratches: Scratch, parameters: Parameters, state: State, workspace: Workspace
-) -> None:
-    """Complete the velocities by thermal noise and the current."""
-    own: GridScratch = scratches.integrator
-    if parameters.drift.thermal > 0.0:
-        add_noise_on_grid(part.kicks, own, parameters, state)
-    add_current(own.motion)
-    store_velocities(own.motion, state, workspace)
-
-
-def add_noise_on_grid(part: CoupledKicks, scratch: GridScratch, parameters: Parameters, state: State) -> None:
-    """Add Brownian motion to the velocities: displacements with the covariance 2 kT M dt."""
-    grid, noise = scratch.grid[0], np.empty(len(scratch.motion.motion))
-    fill_normals(part, int(state.step[0]), parameters.drift.seed, noise)
-    scale = np.repeat(np.sqrt(grid.unit / part.radius), 2)
-    moved = root_by_products(lambda force: flow_product(grid, force.reshape(-1, 2)).ravel(), scale, noise, ERROR)
-    scratch.motion.motion[:] += math.sqrt(2.0 * parameters.drift.thermal / parameters.time_step) * moved
-
-
-def add_work_on_grid(
-    part: GridKicks, scratch: GridScratch, parameters: Parameters, state: State, workspace: Workspace
-) -> None:
-    """Add the work of the current on the floats: see `mobility.add_coupled_work`."""
-    add_coupled_work(part.kicks, scratch.motion, parameters, state, workspace)
-
-
-def collide_on_grid(
-    part: GridImpulses, scratch: GridScratch, parameters: Parameters, state: State, workspace: Workspace
-) -> None:
-    """Solve for the midstep velocities, so that no float overlaps another after the step."""
-    contacts, memory = workspace.contacts, memory_of(state)
-    gather_contacts(parameters, state, workspace)
-    grid, motion = scratch.grid[0], scratch.motion
-    share = pair_shares(contacts, state.position, grid.radius, grid.unit)
-    contacts.weight[: len(share)] = 1.0 / share.sum(axis=1)
-    if parameters.drift.thermal > 0.0:
-        paths = workspace.midstep_velocity, workspace.stages[DRIVEN]
-        found = collide_on_paths(parameters, state, contacts, paths, share, motion.flow)
-        if len(found.impulse):
-            motion.load[:] += found.impulse.ravel()
-            motion.motion[:] += flow_product(grid, found.impulse).ravel()
-            store_velocities(motion, state, workspace)
-        require_distances(parameters, state, contacts, workspace.midstep_velocity, share, found.lasting)
-    tolerance = begin_contacts(parameters, state, workspace)
-    if tolerance.target > 0.0:
-        push_on_grid(scratch, parameters, state, workspace, tolerance)
-    else:
-        clear_impulses(contacts)
-    touching.remember(touching.contact_keys(contacts), contacts.impulse, memory, memory.impulse)
-    store_velocities(scratch.motion, state, workspace)
-
-
-def push_on_grid(
-    scratch: GridScratch, parameters: Parameters, state: State, workspace: Workspace, tolerance: Tolerance
-) -> None:
-    """Solve for the forces of all contacts and add the velocities that they cause."""
-    contacts, grid, count = workspace.contacts, scratch.grid[0], len(scratch.motion.current)
-    total = int(contacts.total[0])
-    contacts.impulse[:total] /= parameters.time_step
-    velocity = workspace.midstep_velocity.copy()
-
-    def respond(force: Array) -> Array:
-        moved = np.zeros_like(force)
-        moved[:count] = flow_product(grid, force[:count])
-        return moved
-
-    fastest = float(np.max(contacts.bound[:total] - contacts.scratch[:total]))
-    target, acceptable = max(tolerance.target, RESIDUAL * fastest), TOLERABLE * parameters.slop / parameters.time_step
-    products = mobility_contacts.solve_by_products(contacts, velocity, respond, target, acceptable)
-    state.tally[SWEEPS] += products
-    state.tally[UNCONVERGED] += 1.0 if products > mobility_contacts.MOST_PRODUCTS else 0.0
-    force = np.zeros_like(velocity)
-    mobility_contacts.spread_forces(contacts, contacts.impulse, force)
-    scratch.motion.load[:] += force[:count].ravel()
-    scratch.motion.motion[:] = velocity[:count].ravel()
-    contacts.impulse[:total] *= parameters.time_step
-
-
-@compiled
-def pair_shares(contacts: Contacts, position: Array, radius: Array, unit: float) -> Array:
-    """The velocities of both bodies of each contact by opposite unit forces, without other bodies."""
-    share = np.zeros((contacts.total[0], 2))
-    for row in range(len(share)):
-        i, j = contacts.first[row], contacts.second[row]
-        share[row, 0] = unit / radius[i]
-        if j < len(radius):
-            x, y = position[j, 0] - position[i, 0], position[j, 1] - position[i, 1]
-            along = unit * rotne_prager(math.sqrt(x * x + y * y), radius[i], radius[j])[1]
-            share[row, 0] -= along
-            share[row, 1] = unit / radius[j] - along
-    return share

@@ -1,9 +1,14 @@
 """Lubrication films between floats: the drag of two floats increases when they approach.
 
 A film opposes the relative velocity along the line of centers with the friction zeta (lambda - 1)/2 of
-`drag.pair_factor`, summed over pairs. The velocities are the solution of the linear system (1/g + G) v = v0/g, where v0
-are the velocities after the kick without films, g is its gain and G the friction of the films, by conjugate gradients.
-The two forces of a film cancel to rounding.
+`drag.pair_factor`, summed over pairs. The two forces of a film cancel to rounding. With films of friction D the
+velocities v0 after a kick become v = v0 - M J^T D J v, where M is the mobility of all floats (`coupled.mobility`). This
+is solved for psi = D^(1/2) J v, (1 + D^(1/2) J M J^T D^(1/2)) psi = D^(1/2) J v0, by conjugate gradients.
+
+Where floats move one another through the liquid, films are the near field of each pair. The mobility describes two
+distant spheres; at small gaps a film also resists their relative motion. Its friction gives two approaching spheres the
+exact resistance at any gap: zeta/2 times lambda(l/R) minus the resistance by the mobility alone. Films do not affect a
+rigid raft, whose speed follows from the far field.
 """
 
 from __future__ import annotations
@@ -13,17 +18,23 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from ecume._jit import compiled
+from ecume._jit import admit, compiled
 from ecume.engine.cells import Integers
 from ecume.engine.contact.contacts import apart
 from ecume.engine.neighbors import NeighborLists
+from ecume.laws import pair_mobility
 from ecume.laws.drag import pair_factor
+from ecume.laws.pair_mobility import rotne_prager
+from ecume.models.floating.coupled.mobility import MobilityOfEach, apply, closing
 from ecume.models.floating.options import Built
 from ecume.models.floating.parameters import Parameters, State, Workspace, copy_rows
+from ecume.models.liquids import liquid_of
 from ecume.units import Array
 
 if TYPE_CHECKING:
     from ecume.scenes.floating import FloatingScene
+
+admit(pair_mobility)
 
 
 NODES = 1024
@@ -125,57 +136,72 @@ def find_films(films: Films, parameters: Parameters, position: Array, lists: Nei
 
 
 @compiled
-def film_forces(pairs: Pairs, velocity: Array, force: Array) -> None:
-    """Compute the forces of the films, equal and opposite."""
-    for i in range(force.shape[0]):
-        force[i, 0], force[i, 1] = 0.0, 0.0
-    first, second, along, friction = pairs.first, pairs.second, pairs.along, pairs.friction
-    for row in range(len(friction)):
-        i, j, x, y = first[row], second[row], along[row, 0], along[row, 1]
-        apart = (velocity[j, 0] - velocity[i, 0]) * x + (velocity[j, 1] - velocity[i, 1]) * y
-        pull = friction[row] * apart
-        force[i, 0] += pull * x
-        force[i, 1] += pull * y
-        force[j, 0] -= pull * x
-        force[j, 1] -= pull * y
+def solve_with_films(mobility: Any, pairs: Pairs, motion: Array, load: Array) -> int:
+    """Change the motion by films, and add the forces of the films to those on the floats; return the number of
+    iterations.
+    """
+    total, size = len(pairs.friction), len(motion)
+    strength, weight, found = np.empty(total), np.empty(total), np.zeros(total)
+    residual, direction, image = np.empty(total), np.empty(total), np.empty(total)
+    force, moved, square = np.zeros(size), motion.copy(), 0.0
+    closing_speeds(pairs, moved, residual)
+    for row in range(total):
+        strength[row] = math.sqrt(pairs.friction[row])
+        weight[row] = 1.0 / (1.0 + pairs.friction[row] * closing_of(mobility, pairs, row))
+        residual[row] *= strength[row]
+        direction[row] = weight[row] * residual[row]
+        square += residual[row] * direction[row]
+    goal, iterations = TOLERANCE * TOLERANCE * square, 0
+    while square > goal and iterations < MOST_ITERATIONS:
+        spread_forces(pairs, strength, direction, force)
+        apply(mobility, force, moved)
+        closing_speeds(pairs, moved, image)
+        curvature, last = 0.0, square
+        for row in range(total):
+            image[row] = direction[row] + strength[row] * image[row]
+            curvature += direction[row] * image[row]
+        square = 0.0
+        for row in range(total):
+            found[row] += last / curvature * direction[row]
+            residual[row] -= last / curvature * image[row]
+            square += weight[row] * residual[row] * residual[row]
+        for row in range(total):
+            direction[row] = weight[row] * residual[row] + square / last * direction[row]
+        iterations += 1
+    spread_forces(pairs, strength, found, force)
+    apply(mobility, force, moved)
+    for k in range(size):
+        motion[k] -= moved[k]
+        load[k] -= force[k]
+    return iterations
 
 
 @compiled
-def solve_velocities(pairs: Pairs, gain: Array, velocity: Array) -> int:
-    """Solve for the velocities with films from those without; return the number of iterations."""
-    count = velocity.shape[0]
-    given, slowed, force = velocity.copy(), velocity.copy(), np.zeros((count, 2))
-    residual, direction = np.zeros((count, 2)), np.zeros((count, 2))
-    film_forces(pairs, slowed, residual)
-    square, iterations = 0.0, 0
-    for i in range(count):
-        direction[i, 0], direction[i, 1] = gain[i] * residual[i, 0], gain[i] * residual[i, 1]
-        square += residual[i, 0] * direction[i, 0] + residual[i, 1] * direction[i, 1]
-    goal = TOLERANCE * TOLERANCE * square
-    while square > goal and iterations < MOST_ITERATIONS:
-        film_forces(pairs, direction, force)
-        curvature = 0.0
-        for i in range(count):
-            force[i, 0] = direction[i, 0] / gain[i] - force[i, 0]
-            force[i, 1] = direction[i, 1] / gain[i] - force[i, 1]
-            curvature += direction[i, 0] * force[i, 0] + direction[i, 1] * force[i, 1]
-        length, last, square = square / curvature, square, 0.0
-        for i in range(count):
-            for axis in range(2):
-                slowed[i, axis] += length * direction[i, axis]
-                residual[i, axis] -= length * force[i, axis]
-                square += residual[i, axis] * residual[i, axis] * gain[i]
-        for i in range(count):
-            direction[i, 0] = gain[i] * residual[i, 0] + square / last * direction[i, 0]
-            direction[i, 1] = gain[i] * residual[i, 1] + square / last * direction[i, 1]
-        iterations += 1
-    # The velocities follow from the forces of the films, so that momentum is conserved to rounding for any number of
-    # iterations.
-    film_forces(pairs, slowed, force)
-    for i in range(count):
-        velocity[i, 0] = given[i, 0] + gain[i] * force[i, 0]
-        velocity[i, 1] = given[i, 1] + gain[i] * force[i, 1]
-    return iterations
+def closing_speeds(pairs: Pairs, motion: Array, speed: Array) -> None:
+    """Compute the relative velocity of each pair along its line of centers, positive if it separates."""
+    for row in range(len(speed)):
+        i, j = pairs.first[row], pairs.second[row]
+        along = pairs.along[row, 0] * (motion[2 * j] - motion[2 * i])
+        speed[row] = along + pairs.along[row, 1] * (motion[2 * j + 1] - motion[2 * i + 1])
+
+
+@compiled
+def closing_of(mobility: Any, pairs: Pairs, row: int) -> float:
+    """The relative velocity of a pair by opposite unit forces along its line of centers."""
+    pair, along = (pairs.first[row], pairs.second[row]), (pairs.along[row, 0], pairs.along[row, 1])
+    found: float = closing(mobility, pair, along)
+    return found
+
+
+@compiled
+def spread_forces(pairs: Pairs, strength: Array, share: Array, force: Array) -> None:
+    """Compute the forces along the lines of centers on the floats, equal and opposite."""
+    force[:] = 0.0
+    for row in range(len(share)):
+        i, j, push = pairs.first[row], pairs.second[row], strength[row] * share[row]
+        for axis in range(2):
+            force[2 * i + axis] -= push * pairs.along[row, axis]
+            force[2 * j + axis] += push * pairs.along[row, axis]
 
 
 @compiled
@@ -183,7 +209,8 @@ def apply_films(part: Films, scratch: Any, parameters: Parameters, state: State,
     """Apply films to the velocities after a kick and to the midstep velocities."""
     pairs = find_films(part, parameters, state.position, workspace.lists)
     if len(pairs.friction) > 0:
-        solve_velocities(pairs, parameters.kick.gain, state.velocity)
+        motion = state.velocity.reshape(-1)
+        solve_with_films(MobilityOfEach(parameters.kick.gain), pairs, motion, np.zeros(len(motion)))
         copy_rows(workspace.midstep_velocity, state.velocity)
 
 
@@ -198,3 +225,57 @@ def films_within(parameters: Parameters, scene: FloatingScene, reach: float) -> 
     given = scene.hydrodynamics.lubrication
     assert given is not None  # noqa: S101  # for the type checker: the scene has chosen films
     return make_films(given.roughness / float(parameters.floats.radius.max()), given.cutoff or reach, given.roughness)
+
+
+FAR_REACH = 6.0
+"""The same in addition to the mobility of all floats, which alone is within 0.4 % there."""
+
+
+class CoupledFilms(NamedTuple):
+    """Constants of films in addition to the mobility."""
+
+    films: Films
+    viscosity: float
+    far: float
+    """the resistance of two approaching spheres by the mobility alone where films end, over that of single ones"""
+
+
+def coupled_films_of(parameters: Parameters, scene: FloatingScene) -> Built:
+    """Return the films of a scene."""
+    films = films_within(parameters, scene, FAR_REACH)
+    part = CoupledFilms(films, liquid_of(scene).viscosity_of_both, approach_factor(films.reach, 1.0))
+    return Built(part, reach=films.reach * float(parameters.floats.radius.max()))
+
+
+@compiled
+def approach_factor(distance: float, radius: float) -> float:
+    """The resistance of two equal approaching spheres according to the mobility, over that of single spheres."""
+    return 1.0 / (1.0 - radius * rotne_prager(distance, radius, radius)[1])
+
+
+@compiled
+def apply_coupled_films(
+    part: CoupledFilms, scratch: Any, parameters: Parameters, state: State, workspace: Workspace
+) -> None:
+    """Apply films to the velocities and midstep velocities."""
+    pairs = find_films(part.films, parameters, state.position, workspace.lists)
+    subtract_far_field(part, parameters, state.position, pairs)
+    if len(pairs.friction) > 0:
+        solve_with_films(scratch.mobility, pairs, scratch.motion, scratch.load)
+        motion = scratch.motion[: 2 * len(state.velocity)].reshape(-1, 2)
+        copy_rows(state.velocity, motion)
+        copy_rows(workspace.midstep_velocity, motion)
+
+
+@compiled
+def subtract_far_field(part: CoupledFilms, parameters: Parameters, position: Array, pairs: Pairs) -> None:
+    """Subtract the resistance that the mobility contains already; films with less friction than this are removed."""
+    for row in range(len(pairs.friction)):
+        i, j = pairs.first[row], pairs.second[row]
+        x, y = position[j, 0] - position[i, 0], position[j, 1] - position[i, 1]
+        # As in `find_films`, two equal spheres of twice the reduced radius.
+        radius, friction = reduced_float(parameters, i, j)
+        gap = math.sqrt(x * x + y * y) - parameters.floats.radius[i] - parameters.floats.radius[j]
+        size = friction / (3.0 * math.pi * part.viscosity * radius)
+        known = approach_factor(2.0 + max(gap, 0.0) / radius, size) - part.far
+        pairs.friction[row] = max(pairs.friction[row] - 0.5 * friction * known, 0.0)

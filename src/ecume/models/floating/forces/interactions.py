@@ -16,7 +16,6 @@ from ecume._tables import by_constants
 from ecume.engine.neighbors import NeighborLists, sort_positions
 from ecume.engine.walls import Walls
 from ecume.laws import camphor, contact_lines, ewald, multipole, pair_laws, radiated_waves, rafts
-from ecume.models.floating.coupled.mobility import CoupledFilms, apply_coupled_films, coupled_films_of
 from ecume.models.floating.forces.activity import (
     Activity,
     activity_forces,
@@ -47,7 +46,14 @@ from ecume.models.floating.forces.ewald_grid import (
     split_energy,
     split_lines,
 )
-from ecume.models.floating.forces.films import Films, apply_films, films_of
+from ecume.models.floating.forces.films import (
+    CoupledFilms,
+    Films,
+    apply_coupled_films,
+    apply_films,
+    coupled_films_of,
+    films_of,
+)
 from ecume.models.floating.forces.flow_and_noise import add_flow, clock
 from ecume.models.floating.forces.magnets import (
     DipoleMoments,

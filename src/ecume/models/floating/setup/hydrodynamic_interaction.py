@@ -13,8 +13,8 @@ import numpy as np
 from ecume.laws import ewald, pair_mobility
 from ecume.laws.pair_mobility import MOST_SOLVED, raft_speed_factor
 from ecume.models.floating.contacts.contact_models import CONTACTS, ContactModel
-from ecume.models.floating.coupled.many_floats import ERROR, MATRIX_UP_TO, GridKicks
-from ecume.models.floating.coupled.mobility import CoupledKicks, hydrodynamic_radius
+from ecume.models.floating.coupled.many_floats import ERROR, MATRIX_UP_TO
+from ecume.models.floating.coupled.mobility import CoupledKicks, GridKicks, hydrodynamic_radius
 from ecume.models.floating.forces.interactions import RESISTANCES, Resistance
 from ecume.models.floating.forces.pair_forces import law_of, row_of, two_floats
 from ecume.models.floating.options import Option
@@ -128,8 +128,8 @@ HYDRODYNAMICS = {
 
 MANY = replace(
     HYDRODYNAMICS["rotne-prager"], moves=lambda integrator: COUPLED_ON_GRID,
-    make=lambda parameters, scene, turning: GridKicks(coupled_kicks_of(parameters, scene, turning)),
-    contacts={"none": "coupled on a grid", "impulse": "coupled on a grid"}, raft_speeds=summed_in_rafts,
+    make=lambda parameters, scene, turning: GridKicks(*coupled_kicks_of(parameters, scene, turning)),
+    raft_speeds=summed_in_rafts,
     laws=(pair_mobility.pair_mobility, ewald.smooth_flow),
 )  # fmt: skip
 """Replaces the matrix of Rotne and Prager's mobilities for many floats."""

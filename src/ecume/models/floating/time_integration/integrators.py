@@ -22,23 +22,20 @@ from ecume.laws import brownian_motion, drag, moving_dish
 from ecume.laws.brownian_motion import diffusivity
 from ecume.laws.drag import schiller_naumann_factor
 from ecume.laws.moving_dish import left_behind, sway_acceleration, sway_velocity
-from ecume.models.floating.coupled.many_floats import (
-    GridKicks,
-    add_work_on_grid,
-    fastest_on_grid,
-    grid_memory,
-    grid_pairs,
-    make_grid_scratch,
-    predict_on_grid,
+from ecume.models.floating.coupled.hydrodynamics import (
+    add_coupled_work,
+    fastest_coupled,
+    predict_coupled,
+    scratch_on_grid,
+    scratch_with_matrix,
 )
 from ecume.models.floating.coupled.mobility import (
     CoupledKicks,
-    add_coupled_work,
+    GridKicks,
     coupled_memory,
     coupled_pairs,
-    fastest_coupled,
-    make_coupled_scratch,
-    predict_coupled,
+    grid_memory,
+    grid_pairs,
 )
 from ecume.models.floating.forces.flow_and_noise import current_at, set_clock, straight_current
 from ecume.models.floating.forces.interactions import evaluate
@@ -458,14 +455,12 @@ COUPLED = Integrator(
     slot="coupled integrator", path="hydrodynamics.interaction", name="hydrodynamic interaction",
     scheme=INTEGRATORS["overdamped"].scheme._replace(drags_along=False),
     constants=CoupledKicks, predict=predict_coupled, finish=None, highest_speed=fastest_coupled,
-    add_work=add_coupled_work, scratch=lambda part, interactions: make_coupled_scratch(part),
+    add_work=add_coupled_work, scratch=scratch_with_matrix,
     pairs_worth=coupled_pairs, memory=coupled_memory,
 )  # fmt: skip
 
 COUPLED_ON_GRID = replace(
-    COUPLED, constants=GridKicks, predict=predict_on_grid, highest_speed=fastest_on_grid, add_work=add_work_on_grid,
-    scratch=lambda part, interactions: make_grid_scratch(part), pairs_worth=grid_pairs, memory=grid_memory,
-    compiled=False,
+    COUPLED, constants=GridKicks, scratch=scratch_on_grid, pairs_worth=grid_pairs, memory=grid_memory, compiled=False
 )  # fmt: skip
 """The row that replaces the overdamped integrator for floats that interact through the liquid."""
 
