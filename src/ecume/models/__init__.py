@@ -1,4 +1,4 @@
-"""The table of models. Reading it compiles nothing; a model is imported at the first access."""
+"""The table of models. Importing it compiles nothing; a model is imported at the first access."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ HOMES = {
 
 
 class _Models(MutableMapping[str, Model]):
-    """A table whose own rows are imported late: a scene is checked without Numba."""
+    """A table whose rows are imported at the first access, so that scenes are checked without Numba."""
 
     def __init__(self) -> None:
         self._known: dict[str, Model | None] = dict.fromkeys(HOMES)

@@ -1,7 +1,7 @@
 """Actions: functions of the user that read and change the state of a run at fixed steps.
 
-An action sees the arrays of a frame. What it writes is checked and copied to the state; the work that it does is added
-to the injected work, so that the energy budget stays closed.
+The input of an action is the arrays of a frame. The values that it writes are checked and copied to the state; its work
+is added to the injected work, so that the energy budget stays closed.
 """
 
 from __future__ import annotations
@@ -68,7 +68,7 @@ class Action:
         return {"steps": self.steps} if self.steps is not None else {"time": float(self.time or 0.0)}
 
     def count(self, steps: int, clock: float, time_step: float) -> int:
-        """The number of times that the action was due up to this step and time, in units of `time_step`; it is never
+        """The number of times that the action was due until this step and time, in units of `time_step`; it is never
         due at time 0.
         """
         if self.steps is not None:
@@ -76,7 +76,7 @@ class Action:
         return math.floor((clock + ROUNDING) * time_step / float(self.time or math.inf))
 
     def ahead(self, step: int, time_step: float) -> int:
-        """The number of equal steps until it is due."""
+        """The number of equal steps until the action is due."""
         if self.steps is not None:
             return self.steps - step % self.steps
         number = self.count(step, step, time_step) + 1
@@ -107,7 +107,7 @@ def every(*, steps: int | None = None, time: float | str | None = None) -> Calla
 
 
 class View:
-    """The state of a run, as an action sees it.
+    """The state of a run, as passed to an action.
 
     `time` (s), `step`, `scene`, `numbers` and `units` are those of a frame; so are the arrays: `view.position` (N, d),
     `view.velocity`, ..., in the order of `view.ids`, the permanent numbers of particles. Positions and velocities can
@@ -178,13 +178,13 @@ class View:
 
 
 def perform(action: Action, view: View, access: Access) -> dict[str, NDArray[Any]]:
-    """Call an action. Returns the arrays that it changed. Raises BadInput with the line of its fault."""
+    """Call an action. Returns the arrays that it changed. Raises BadInput with the line where the action failed."""
     try:
         action.function(view)
         changes = view.changes()
     except EcumeError:
         raise
-    except Exception as error:  # the user's function may raise anything
+    except Exception as error:  # a user function may raise any exception
         code = getattr(action.function, "__code__", None)
         lines = [
             frame.lineno
@@ -219,7 +219,7 @@ def write(action: Action, view: View, access: Access, state: Any, changes: Mappi
 
 
 def energy_of(frame: Frame) -> float:
-    """The energy less the injected work (J); zero for a model without an energy."""
+    """The energy minus the injected work (J); zero for a model without an energy."""
     return with_own(dict(frame.numbers)).get(OWN, 0.0)
 
 

@@ -1,4 +1,4 @@
-"""The cost of a run: limits that no machine can exceed, and the cost of frames in time and disk space."""
+"""The cost of a run: limits of steps and memory, and the cost of frames in time and disk space."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ Parameters = TypeVar("Parameters")
 
 
 def within_steps(scene: Common, parameters: Parameters) -> Parameters:
-    """The same parameters, unless a run would need too many time steps. Raises SceneError."""
+    """The parameters, unchanged. Raises SceneError if a run would need too many time steps."""
     step: float = parameters.time_step  # type: ignore[attr-defined]  # every model's have one
     if scene.duration / step > MOST_STEPS:
         message = f"is {scene.duration / step:.3g} steps of {step:.3g} s, more than {MOST_STEPS:.0e}; make it shorter"
@@ -35,7 +35,7 @@ def within_steps(scene: Common, parameters: Parameters) -> Parameters:
 
 
 def require_memory(path: str, what: str, needed: float, way_out: str = "use fewer") -> None:
-    """Raise SceneError if this process may use less memory (bytes) than something needs."""
+    """Raise SceneError if something needs more memory (bytes) than this process may use."""
     there = memory_limit()
     if needed > there:
         message = f"{what} need about {needed / 1e9:.3g} GB, this process may use {there / 1e9:.3g} GB; {way_out}"
@@ -156,7 +156,7 @@ def sample_cost(scene: Common, content: Content, steps: float) -> SampleCost:
 
 
 def probed(content: Content, *, single: bool = False) -> tuple[float, float]:
-    """The time (s) and the size (bytes) of a frame, from a few that are written and removed again."""
+    """The time (s) and the size (bytes) of a frame, measured with a few frames that are written and then removed."""
     random = np.random.default_rng(0)
     probes = [
         Frame(

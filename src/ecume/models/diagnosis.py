@@ -14,7 +14,7 @@ DEEP = 0.1
 
 
 def when(parameters: Any, state: Any) -> str:
-    """The time of a state with equal steps."""
+    """The time of a state, for models with equal steps."""
     step = int(state.step[0])
     return f"at t = {step * parameters.time_step:.6g} s (step {step})"
 

@@ -1,4 +1,6 @@
-"""Rows of `ecume check` on expected events: whether a run is long enough, and its frames close enough, to show them."""
+"""Rows of `ecume check` on expected events: whether a run is long enough, and its frames frequent enough, to show
+them.
+"""
 
 from __future__ import annotations
 
@@ -12,8 +14,8 @@ SHOWN = 10
 
 
 def event_row(name: str, time: float, run: tuple[float, float], remark: str, *, bound: bool = False) -> list[Row]:
-    """The row of an event at a time (s), or at this time or later, in a run of a duration and an interval of frames
-    (s), with suggested times of frames where these would not show it; empty for one that is never expected.
+    """The row of an event at a time (s), or at this time or later, in a run with a duration and an interval of frames
+    (s). If these would not show it, the row suggests times of frames; it is empty for an event that is never expected.
 
     >>> event_row("first impact", 0.24, (6.0, 0.05), "of the block")
     [('first impact', 'after about 240 ms', 'duration 500 ms and frame_every 5 ms would show it')]

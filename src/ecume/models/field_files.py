@@ -1,7 +1,7 @@
 """Velocities of a liquid from files: NumPy, NetCDF and VTK grids, and recorded runs of tanks.
 
 Arrays may be in either order of their axes where dimensions have names (NetCDF); otherwise they are indexed [x, y, z],
-with the time first. Raises BadInput for what is no grid of equal steps.
+with the time first. Raises BadInput for anything but a grid of equal steps.
 """
 
 from __future__ import annotations
@@ -79,7 +79,7 @@ def grid_of(spec: FieldSpec, dimensions: int) -> Grid:
         places, velocity, times = readers[path.suffix.lower()](path, names, spec)
     except BadInput:
         raise
-    except Exception as error:  # libraries raise any exception for a damaged file
+    except Exception as error:  # libraries may raise any exception for a damaged file
         raise BadInput(_unreadable(path, error), "file") from error
     for name, place in zip(names.coordinates, places, strict=True):
         _require_line(path, name, place.ndim)
@@ -96,7 +96,7 @@ def grid_of(spec: FieldSpec, dimensions: int) -> Grid:
 
 
 def _require_slow(name: str, velocity: Array) -> None:
-    """Raise BadInput for velocities that no scene may state, such as the numbers by which files mark land."""
+    """Raise BadInput for velocities beyond the limits of scenes, such as the numbers by which files mark land."""
     largest = float(np.max(np.abs(velocity), where=np.isfinite(velocity), initial=0.0))
     if largest > FASTEST:
         raise BadInput(
@@ -107,14 +107,16 @@ def _require_slow(name: str, velocity: Array) -> None:
 
 
 def _require_small(name: str, shapes: Sequence[tuple[int, ...]]) -> None:
-    """Raise BadInput, before arrays are read, where a file announces more nodes than can be used."""
+    """Raise BadInput, before arrays are read, if a file has more nodes than can be used."""
     largest = max(map(math.prod, shapes), default=0)
     if largest > MOST_NODES:
         raise BadInput(f"{name}: has {largest:.3g} nodes; expected at most {MOST_NODES:.0e} in all frames", "file")
 
 
 def _unreadable(path: Path, error: Exception) -> str:
-    """The message for a file that a library cannot read: the first line of the library's error in plain characters."""
+    """The message for a file that a library cannot read: the first line of the library's error in printable
+    characters.
+    """
     cause, _, _ = (str(error) or type(error).__name__).partition("\n")
     if isinstance(error, (LookupError, OverflowError)):
         cause = "it is damaged or cut off"
@@ -126,7 +128,9 @@ def _printable(text: str) -> str:
 
 
 def _real(array: Any) -> Array:
-    """The numbers of an array. Raises ValueError for complex numbers, whose imaginary parts would be lost, and text."""
+    """The real numbers of an array. Raises ValueError for text, and for complex numbers, whose imaginary parts would be
+    lost.
+    """
     found = np.asarray(array)
     if found.dtype.kind not in "biuf":
         raise ValueError(f"got {'complex numbers' if found.dtype.kind == 'c' else found.dtype}; expected real numbers")
@@ -134,7 +138,7 @@ def _real(array: Any) -> Array:
 
 
 def _grid(name: str, places: list[Array], velocity: Array, times: Array) -> Grid:
-    """A grid, each axis in rising order. Raises BadInput for one of unequal steps, and for infinite velocities."""
+    """A grid with ascending axes. Raises BadInput for unequal steps, and for infinite velocities."""
     low, step = [], []
     for axis, place in enumerate(places):
         if len(place) < 2:
@@ -181,7 +185,7 @@ def _of_numpy(path: Path, names: Names, spec: FieldSpec) -> tuple[list[Array], A
 
 
 def _announced(file: Any, name: str) -> tuple[int, ...]:
-    """The shape of an array in an archive, from its head."""
+    """The shape of an array in an archive, from its header."""
     with file.zip.open(f"{name}.npy") as array:
         read = {(1, 0): np.lib.format.read_array_header_1_0}.get(
             np.lib.format.read_magic(array), np.lib.format.read_array_header_2_0
@@ -199,7 +203,7 @@ def _require(path: Path, required: tuple[str, ...], there: list[str]) -> None:
 
 
 def _require_line(path: Path, name: str, dimensions: int) -> None:
-    """Raise BadInput for coordinates that are no list of nodes along one axis, such as those of a mesh."""
+    """Raise BadInput for coordinates that are not a list of nodes along one axis, such as those of a mesh."""
     if dimensions != 1:
         raise BadInput(
             f"{path.name}: {name!r} has {dimensions} dimensions; expected the nodes along one axis of a grid of equal "
@@ -243,8 +247,8 @@ def _of_netcdf(path: Path, names: Names, spec: FieldSpec) -> tuple[list[Array], 
 
 
 def _times(path: Path, array: Any, spec: FieldSpec) -> Array:
-    """The times of a NetCDF file in units of the scene. Those of dates of any calendar are seconds from the first one,
-    whatever the key `time_unit` states. Raises BadInput for months and years.
+    """The times of a NetCDF file in units of the scene. If the times are dates, of any calendar, the result is in
+    seconds since the first date, independent of the key `time_unit`. Raises BadInput for months and years.
     """
     times = np.atleast_1d(_real(array.to_numpy()))
     dated = SINCE.fullmatch(str(array.attrs.get("units", "")).strip())
@@ -259,9 +263,8 @@ def _times(path: Path, array: Any, spec: FieldSpec) -> Array:
 
 
 def _stated_unit(path: Path, array: Any, sought: tuple[str, str], spec: FieldSpec) -> float:
-    """The unit in SI that an array of a NetCDF file states, or 1 where the key of the scene gives another one than SI,
-    where the file states none, and, with a warning, where it cannot be read; sought = (key, SI unit). Raises BadInput
-    for degrees.
+    """The unit, in SI, of an array of a NetCDF file. It is 1 if the key of the scene gives a unit other than SI, if the
+    file gives none, and, with a warning, if it cannot be read; sought = (key, SI unit). Raises BadInput for degrees.
     """
     (key, symbol), stated = sought, str(array.attrs.get("units", "")).strip()
     if getattr(spec, key) != 1.0 or stated.lower() in NO_UNIT:
@@ -284,7 +287,7 @@ def _stated_unit(path: Path, array: Any, sought: tuple[str, str], spec: FieldSpe
 
 
 def _in_si(stated: str, symbol: str) -> float | None:
-    """The number of SI units in a unit as NetCDF files write it; None for what is no unit of this dimension.
+    """The size in SI of a unit in the notation of NetCDF files; None if it is not a unit of this dimension.
 
     >>> [_in_si(one, "m/s") for one in ("cm.s-1", "cm s^{-1}", "0.01 m s-1", "CM/S", "cms-1", "furlong")]
     [0.01, 0.01, 0.01, 0.01, 0.01, None]
@@ -323,7 +326,7 @@ def _of_vtk(path: Path, names: Names, spec: FieldSpec) -> tuple[list[Array], Arr
     elif not hasattr(data, "GetSpacing"):
         raise BadInput(f"{path.name}: its grid is curvilinear; expected one of equal steps", "file")
     else:
-        # The bounds, since the origin need not be a node.
+        # The bounds give the first node, since the origin need not be a node.
         spans = zip(data.GetBounds()[::2], data.GetSpacing(), counts, strict=True)
         every = [origin + step * np.arange(count) for origin, step, count in spans]
     points = data.GetPointData()
@@ -341,7 +344,7 @@ def _of_vtk(path: Path, names: Names, spec: FieldSpec) -> tuple[list[Array], Arr
 
 
 def _of_run(path: Path, spec: FieldSpec, dimensions: int) -> Grid:
-    """The velocities of the particles of a tank, averaged onto a grid in each frame; at rest where no liquid is."""
+    """The velocities of the particles of a tank, averaged onto a grid in each frame; zero where there is no liquid."""
     run = open_trajectory(path)
     if not len(run) or {"position", "velocity"} - set(run[0].arrays):
         raise BadInput(f"{path.name}: has no frames with positions and velocities of a liquid", "file")

@@ -1,4 +1,4 @@
-"""The direction of gravity, as `ecume check` states it for every model."""
+"""The direction of gravity in the report of `ecume check`, for every model."""
 
 from __future__ import annotations
 

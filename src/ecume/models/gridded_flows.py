@@ -1,10 +1,11 @@
-"""Flows on grids: their interpolation, without divergence or linear, and what makes it from velocities at nodes.
+"""Flows on grids: their interpolation, divergence-free or linear, and the fit to velocities at nodes.
 
-In 2D the flow without divergence is the curl of a stream function, bicubic in each cell (Hermite): its slopes at the
-nodes are the velocities there, its values fit the fluxes through the edges of cells by least squares. The velocity is
-continuous, its divergence is zero up to rounding, its error of third order in the spacing, and no liquid crosses edges
-between nodes on land. In 3D fluxes through the faces of cells are made free of divergence by least squares, and each
-component varies linearly along its own axis in a cell [pollock1988]: free of divergence, too, but of first order.
+In 2D the divergence-free flow is the curl of a stream function, bicubic in each cell (Hermite). Its slopes at the nodes
+are the velocities there; its values fit the fluxes through the edges of cells by least squares. The velocity is
+continuous, its divergence is zero up to rounding, its error is of third order in the spacing, and no liquid crosses
+edges between nodes on land. In 3D the fluxes through the faces of cells are made divergence-free by least squares, and
+each component varies linearly along its axis in a cell [pollock1988]: this field is divergence-free as well, but of
+first order.
 
 Between two instants velocities change linearly; before the first and after the last they are constant, as are those
 beyond the grid.
@@ -83,8 +84,8 @@ class LinearField(NamedTuple):
 
 @compiled_inside
 def cell_of(place: float, low: float, density: float, count: int) -> tuple[int, float]:
-    """The cell of a coordinate among `count` nodes, `density` a meter, and where it is in it, from 0 to 1; the edge
-    beyond the grid.
+    """The cell of a coordinate among `count` nodes, `density` per meter, and the position in the cell from 0 to 1;
+    beyond the grid, its edge.
     """
     if count < 2:
         return 0, 0.0
@@ -107,16 +108,16 @@ def moment_of(times: Array, time: float) -> tuple[int, float]:
 
 @compiled_inside
 def stream_velocity_in(nodes: Array, k: int, cell: tuple[int, int], place: Point) -> tuple[float, float]:
-    """The velocity in a cell from the bicubic stream function there, over spacings; place = (s, t, 0) in the cell."""
+    """The velocity in a cell from its bicubic stream function, over spacings; place = (s, t, 0) in the cell."""
     (i, j), s, t = cell, place[0], place[1]
     left, right = nodes[k, i], nodes[k, i + 1]
-    # Cubic Hermite polynomials of the slope at both ends and of the value at the second, which is 1 less that at the
-    # first; and their derivatives.
+    # Cubic Hermite polynomials of the slopes at both ends and of the second value minus the first, and their
+    # derivatives.
     a, b0, b1 = s * s * (3.0 - 2.0 * s), s * (1.0 - s) ** 2, s * s * (s - 1.0)
     c, d0, d1 = t * t * (3.0 - 2.0 * t), t * (1.0 - t) ** 2, t * t * (t - 1.0)
     da, db0, db1 = 6.0 * s * (1.0 - s), (1.0 - s) * (1.0 - 3.0 * s), s * (3.0 * s - 2.0)
     dc, dd0, dd1 = 6.0 * t * (1.0 - t), (1.0 - t) * (1.0 - 3.0 * t), t * (3.0 * t - 2.0)
-    # Along the edges of the cell upward: changes of the function and of its slope along x, both derived, and both.
+    # Along the lower and upper edges of the cell: changes of the function and of its slope along x.
     near, tilt = left[j + 1, 0] - left[j, 0], left[j + 1, 1] - left[j, 1]
     far, lean = right[j + 1, 0] - right[j, 0], right[j + 1, 1] - right[j, 1]
     u_near = dc * near + dd0 * left[j, 2] + dd1 * left[j + 1, 2]
@@ -133,7 +134,7 @@ def stream_velocity_in(nodes: Array, k: int, cell: tuple[int, int], place: Point
 
 @compiled_inside
 def stream_velocity(shape: StreamField, x: float, y: float, z: float, time: float) -> Point:
-    """The velocity: the curl of the stream function."""
+    """The velocity as the curl of the stream function."""
     nodes, low, density = shape.nodes, shape.low, shape.density
     i, s = cell_of(x, low[0], density[0], nodes.shape[1])
     j, t = cell_of(z, low[1], density[1], nodes.shape[2])
@@ -147,7 +148,7 @@ def stream_velocity(shape: StreamField, x: float, y: float, z: float, time: floa
 
 @compiled_inside
 def between(values: Array, k: int, late: float, place: tuple[int, int, int]) -> float:
-    """A value at an instant between two."""
+    """A value interpolated between two instants."""
     i, j, m = place
     found: float = values[k, i, j, m]
     if late > 0.0:
@@ -157,7 +158,7 @@ def between(values: Array, k: int, late: float, place: tuple[int, int, int]) -> 
 
 @compiled_inside
 def face_velocity(shape: FaceField, x: float, y: float, z: float, time: float) -> Point:
-    """The velocity: each component is linear along its axis. [pollock1988]."""
+    """The velocity, each component of which is linear along its axis. [pollock1988]."""
     low, density, along, across, upward = shape.low, shape.density, shape.along, shape.across, shape.upward
     i, r = cell_of(x, low[0], density[0], along.shape[1])
     j, s = cell_of(y, low[1], density[1], across.shape[2])
@@ -196,7 +197,7 @@ def linear_at(nodes: Array, k: int, cell: tuple[int, int, int], place: Point) ->
 
 @compiled_inside
 def mixed(one: Point, other: Point, share: float) -> Point:
-    """The velocity between two, with a share of the other."""
+    """The weighted mean of two velocities; `share` is the weight of the other."""
     return (
         one[0] + share * (other[0] - one[0]),
         one[1] + share * (other[1] - one[1]),
@@ -206,7 +207,7 @@ def mixed(one: Point, other: Point, share: float) -> Point:
 
 @compiled_inside
 def linear_velocity(shape: LinearField, x: float, y: float, z: float, time: float) -> Point:
-    """The velocity: linear in each cell along each axis."""
+    """The velocity, linear in each cell along each axis."""
     low, density, nodes = shape.low, shape.density, shape.nodes
     i, r = cell_of(x, low[0], density[0], nodes.shape[1])
     j, s = cell_of(y, low[1], density[1], nodes.shape[2])
@@ -230,8 +231,8 @@ class Fitted(NamedTuple):
 
 
 def fitted(grid: Grid, interpolation: str, wrapped: tuple[int, ...] = ()) -> Fitted:
-    """The field of a grid, interpolated without divergence or linearly; in 2D periodic along the axes `wrapped`, whose
-    last nodes are the first ones of the next period.
+    """The field of a grid, with divergence-free or linear interpolation. In 2D it is periodic along the axes `wrapped`,
+    whose last nodes are the first ones of the next period.
     """
     if interpolation == "linear":
         return Fitted(_linear_field(grid), 0.0)
@@ -312,7 +313,7 @@ def _line_integrals(values: Array, land: Flags, axis: int) -> Array:
         wet = ~(dry[:-3] | dry[1:-2] | dry[2:-1] | dry[3:])
         better = (13.0 * (f[1:-2] + f[2:-1]) - f[:-3] - f[3:]) / 24.0
         mean[1:-1] = np.where(wet, better, mean[1:-1])
-        # At the ends the parabola through three nodes.
+        # At the ends, the parabola through three nodes is used.
         for end, a, b, c in ((0, f[0], f[1], f[2]), (-1, f[-1], f[-2], f[-3])):
             wet_end = ~np.moveaxis(land, axis, 0)[[0, 1, 2] if end == 0 else [-1, -2, -3]].any(axis=0)
             mean[end] = np.where(wet_end, (5.0 * a + 8.0 * b - c) / 12.0, mean[end])
@@ -340,8 +341,8 @@ STILL = 1e-9
 
 
 def _shut_edges(u: Array, w: Array, land: Flags, wrapped: tuple[int, ...]) -> Edges:
-    """Whether no liquid flows through edges along x and along z: between nodes on land, and on those sides of the grid
-    that are walls, where the fit would let it through.
+    """Flags of the edges along x and along z that no liquid crosses: edges between nodes on land, and those on sides of
+    the grid that are walls, where the fit would otherwise have a flux.
     """
     along, up = land[:-1] & land[1:], land[:, :-1] & land[:, 1:]
     quiet = STILL * max(float(np.abs(u).max()), float(np.abs(w).max()))
@@ -356,7 +357,7 @@ def _shut_edges(u: Array, w: Array, land: Flags, wrapped: tuple[int, ...]) -> Ed
 
 
 def _face_field(grid: Grid) -> Fitted:
-    """The fluxes through faces of each instant, without divergence."""
+    """The divergence-free fluxes through faces at each instant."""
     made, errors = [], []
     for velocity in grid.velocity:
         faces, error = _faces(velocity, grid.step)
@@ -390,7 +391,7 @@ def _faces(velocity: Array, step: tuple[float, ...]) -> tuple[list[Array], float
 
 
 def _halves(values: Any, axis: int) -> tuple[Any, Any]:
-    """All but the last and all but the first along an axis."""
+    """The values without the last one, and without the first one, along an axis."""
     count = values.shape[axis]
     return np.take(values, range(count - 1), axis), np.take(values, range(1, count), axis)
 

@@ -1,7 +1,7 @@
 """The invariants of a run, given by each model as rows of names, limits and measures.
 
-A measure looks at the numbers of frames alone: at those of the first and of this one, and at the least and the largest
-so far. So a run that is resumed judges as one that was never stopped, from the lines that it has on disk.
+A measure depends only on the numbers of frames: of the first and the present one, and on the smallest and largest
+values so far. A resumed run reads these from disk, and therefore gives the same results as an uninterrupted one.
 """
 
 from __future__ import annotations
@@ -58,7 +58,7 @@ def energy_never_rises(
 
 
 def with_own(numbers: dict[str, float]) -> dict[str, float]:
-    """Numbers with the energy minus the injected work, if there is an energy.
+    """The numbers with the difference of energy and injected work, if there is an energy.
 
     >>> with_own({"total_energy": 5.0, "injected_work": 2.0})["energy_less_work"]
     3.0
@@ -69,7 +69,7 @@ def with_own(numbers: dict[str, float]) -> dict[str, float]:
 
 
 def kept(name: str, keys: Sequence[str], scale: Callable[[NumberHistory], float], limit: float) -> Invariant:
-    """The invariant of numbers that keep their initial values within a part of a scale."""
+    """The invariant that numbers keep their initial values within a part of a scale."""
 
     def change(seen: NumberHistory) -> float:
         return part_of(math.hypot(*(seen.now[key] - seen.first[key] for key in keys)), scale(seen))

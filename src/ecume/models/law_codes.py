@@ -9,7 +9,7 @@ LawRow = TypeVar("LawRow")
 
 
 def code_of(table: Mapping[str, object], name: str) -> int:
-    """The code of a row. Raises ValueError for a name without a row.
+    """The code of a row. Raises ValueError for a name that is not in the table.
 
     >>> code_of({"none": None, "coulomb": None}, "coulomb")
     1
@@ -18,5 +18,5 @@ def code_of(table: Mapping[str, object], name: str) -> int:
 
 
 def codes(table: Mapping[str, LawRow], part: Callable[[LawRow], Callable[..., Any]]) -> dict[int, Callable[..., Any]]:
-    """A function of each row by the row's code, for `ecume._jit.selection`."""
+    """A function of each row, by the code of the row, for `ecume._jit.selection`."""
     return {code: part(row) for code, row in enumerate(table.values())}

@@ -1,4 +1,4 @@
-"""Whether a state from a file fits the parameters of a scene: sizes and indices, which compiled loops trust."""
+"""Comparison of a state from a file with the parameters of a scene: sizes and indices, on which compiled loops rely."""
 
 from __future__ import annotations
 

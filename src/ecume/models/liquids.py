@@ -1,4 +1,4 @@
-"""The liquid of the laws from the liquid of a scene, without compilation, for checks and pictures, too."""
+"""The liquid of the laws from the liquid of a scene, without compilation, also for checks and pictures."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ DENSEST_GAS = 0.1
 
 
 class Material(NamedTuple):
-    """A liquid's properties in SI units; zero where neither the scene nor a name gives one."""
+    """The properties of a liquid in SI units; zero where neither the scene nor a name gives one."""
 
     density: float
     viscosity: float
@@ -75,6 +75,6 @@ def float_reynolds(speed: float, radius: float, liquid: flotation.Liquid) -> flo
 
 
 def correlations_of(name: str | None) -> list[Source]:
-    """The correlations behind the properties of a liquid that a scene names."""
+    """The sources of the properties of a named liquid."""
     known = liquids.LIQUIDS.get(name or "", ())
     return [getattr(part, "func", part) for part in known if callable(part)]

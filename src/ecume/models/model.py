@@ -24,7 +24,7 @@ Source = Callable[..., Any]
 
 
 def no_laws(scene: Any) -> list[Source]:
-    """The laws of a model without papers: none."""
+    """Return no laws, for a model without papers."""
     return []
 
 
@@ -34,22 +34,22 @@ def _no_extra_laws(laws: Any) -> Model:
 
 
 def no_summary(scene: Any) -> list[tuple[str, str, str]]:
-    """No derived numbers."""
+    """Return no derived numbers."""
     return []
 
 
 def _as_it_is(scene: Any, parameters: Any, state: Any) -> Layout:
-    """The layout of a state whose sizes and values are all valid."""
+    """The layout of a state that is always valid."""
     return Layout(state)
 
 
 def _same(parameters: Any, state: Any) -> Any:
-    """The state itself, for models whose particles never change."""
+    """The unchanged state, for models whose particles never change."""
     return state
 
 
 def _no_further_state(scene: Any) -> type | None:
-    """No further fields."""
+    """Return None: the model has no further fields."""
     return None
 
 
@@ -62,9 +62,9 @@ def clock_of(state: Any) -> int:
 class Model:
     """A physical model: functions from scenes to frames.
 
-    Parameters, State and Workspace are NamedTuples of the model's own: what never changes during a run, what the
-    physics moves (and whatever else can change a later bit), and scratch. Scene and State together are enough to go on
-    bit for bit.
+    Each model defines Parameters, State and Workspace as NamedTuples. Parameters never change during a run, State is
+    what the physics changes (and whatever else affects later bits), and Workspace is scratch. A run can be resumed bit
+    for bit from Scene and State.
     """
 
     name: str
@@ -131,7 +131,7 @@ def _no_facts() -> Mapping[str, str | int]:
 
 @dataclass(frozen=True)
 class Engine:
-    """Integrates the states of a scene; frames and checkpoints are those of its model."""
+    """A function that integrates the states of a scene; frames and checkpoints are those of its model."""
 
     model: Callable[[Model], Model]
     """makes of the scene's model one that integrates in another way"""

@@ -9,8 +9,8 @@ from ecume.units import Array, with_prefix
 
 
 def sizes_rows(radius: Array) -> list[Row]:
-    """The moments of unequal radii: by number, and weighted by the surface and the volume of spheres; none where all
-    are equal.
+    """The rows on the moments of unequal radii: by number, and weighted by the surface and the volume of spheres. Empty
+    if all are equal.
     """
     if float(np.ptp(radius)) == 0.0:
         return []

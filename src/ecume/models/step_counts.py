@@ -1,5 +1,5 @@
-"""The step at which a run ends, where its duration is no multiple of the time between frames, and the steps at which
-numbers are sampled between frames.
+"""The last step of a run whose duration is not a multiple of the time between frames, and the steps at which numbers
+are sampled between frames.
 """
 
 from __future__ import annotations
@@ -31,8 +31,8 @@ def last_step(scene: Common, per_frame: int, least: int = 1) -> int:
 
 
 def ending_on_a_step(scene: Common, per_frame: int) -> int:
-    """At least so many steps per frame, with which the duration is a whole number of steps, too, if that is not much
-    more. Nothing changes where the duration is a multiple of the time between frames.
+    """The number of steps per frame, at least the given one, with which the duration is also a whole number of steps,
+    if this requires not many more. Unchanged if the duration is a multiple of the time between frames.
     """
     multiple = scene.rest.denominator
     more = -(-per_frame // multiple) * multiple
@@ -40,7 +40,7 @@ def ending_on_a_step(scene: Common, per_frame: int) -> int:
 
 
 class SampleClock(NamedTuple):
-    """Samples are due at the first step at or after each multiple of an interval, on the model's clock.
+    """The clock of samples, which are due at the first step at or after each multiple of an interval.
 
     >>> clock = SampleClock(Fraction(5, 2))
     >>> [step for step in range(11) if clock.is_due(step, step - 1)], clock.next_after(3), clock.next_after(5)
@@ -59,7 +59,7 @@ class SampleClock(NamedTuple):
 
 
 def sample_clock(scene: Common, model: Model, per_frame: int) -> SampleClock | None:
-    """The clock of a scene; None if it has no samples. Raises SceneError for steps that cannot be counted."""
+    """The clock of a scene; None without samples. Raises SceneError for steps that cannot be counted."""
     asked = scene.output.samples
     if asked is None:
         return None

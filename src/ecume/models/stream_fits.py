@@ -1,8 +1,8 @@
 """Stream functions on grids from their changes along edges, by least squares.
 
-The normal equations are Poisson's. In a box whose sides are all open they are solved by cosine transforms, in a closed
-box without land by sine transforms, otherwise by a sparse factorization. What depends on shut edges alone is made once,
-for all instants.
+The normal equations are Poisson's equation. They are solved by cosine transforms in a box whose sides are all open, by
+sine transforms in a closed box without land, and otherwise by a sparse factorization, which is computed only once for
+all instants with the same shut edges.
 """
 
 from __future__ import annotations
@@ -33,13 +33,13 @@ class Edges(NamedTuple):
     """the axes along which the function is periodic, up to the flux through a period"""
 
     def same_as(self, other: Edges) -> bool:
-        """Whether both have the same fit."""
+        """Whether both edges lead to the same fit."""
         alike = np.array_equal(self.along, other.along) and np.array_equal(self.up, other.up)
         return alike and self.wrapped == other.wrapped
 
 
 class Fits:
-    """The last fit, for the next instant, whose shut edges are the same as a rule."""
+    """The previous fit, which is reused for the next instant if the shut edges are the same."""
 
     def __init__(self) -> None:
         self._last: tuple[Edges, Fit] | None = None
@@ -104,8 +104,8 @@ def sine_fit(along: Array, up: Array) -> Array:
 def sparse_fit(edges: Edges) -> Fit:
     """The fit with any shut edges and periods.
 
-    The unknowns are one value for all nodes that shut edges and periods join, and the rises over periods that shut
-    edges allow: no rise over a period that a wall or land spans.
+    All nodes that are connected by shut edges and periods share one unknown value. Further unknowns are the increments
+    over periods that shut edges permit: none over a period that a wall or land spans.
     """
     from scipy import sparse
     from scipy.sparse.linalg import splu
@@ -118,7 +118,7 @@ def sparse_fit(edges: Edges) -> Fit:
     changes = sparse.csr_array((signs, (np.tile(rows, 2), np.concatenate([low, high]))), (len(low), count))
     first, last = _along_edges(np.arange(math.prod(shape)).reshape(shape))
     rises = sparse.csr_array((periods[last] - periods[first]) @ allowed)
-    # A constant is free: the first value is zero.
+    # The function is determined up to a constant: the first value is set to zero.
     fixed = sparse.csr_array(([1.0], ([0], [0])), (1, count + allowed.shape[1]))
     matrix = sparse.vstack([sparse.hstack([changes, rises]), fixed]).tocsr()
     normal = (matrix.T @ matrix).tocsc()
@@ -134,14 +134,14 @@ def sparse_fit(edges: Edges) -> Fit:
 
 
 def _along_edges(values: Indices) -> tuple[Indices, Indices]:
-    """What belongs to the nodes at both ends of all edges."""
+    """The values at the nodes at both ends of all edges."""
     low = np.concatenate([values[:-1].ravel(), values[:, :-1].ravel()])
     return low, np.concatenate([values[1:].ravel(), values[:, 1:].ravel()])
 
 
 def _joined(edges: Edges) -> tuple[Indices, Array, Array]:
-    """For each node the number of those whose values are the same but for rises over periods, and how many periods it
-    is from the first of them, along both axes; and the rises (columns) that are allowed.
+    """For each node the group of nodes with the same value up to increments over periods, and the number of periods to
+    the first node of the group along both axes; and the permitted increments (columns).
     """
     from scipy import sparse
     from scipy.linalg import null_space
@@ -163,7 +163,9 @@ Neighbors = dict[int, list[tuple[int, int, int]]]
 
 
 def _spread(count: int, neighbors: Neighbors) -> tuple[Indices, Array, set[tuple[int, int]]]:
-    """The group of each patch, its periods from the first of the group, and the periods around which groups close."""
+    """The group of each patch, its periods from the first patch of the group, and the periods around which groups
+    close.
+    """
     group, periods, loops = [-1] * count, [(0, 0)] * count, set[tuple[int, int]]()
     groups = 0
     for start in range(count):

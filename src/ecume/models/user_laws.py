@@ -2,7 +2,7 @@
 
 A pair law is a function (distance, parameters) -> force (N); an external law is a function (position, velocity, time,
 parameters) -> acceleration (m/s^2); a flow is a function (position, time, constants) -> velocity of the liquid (m/s).
-Each model chooses what they act on, and the fields of `parameters`.
+Each model defines the particles on which a law acts, and the fields of `parameters`.
 """
 
 from __future__ import annotations
@@ -42,8 +42,8 @@ KEY = 32
 
 
 def compiled_for_laws(function: Law, compiler: Callable[..., Any] = compiled) -> Law:
-    """Compile a function of the user, or one around it, by a decorator of `_jit`. It is cached on disk unless it names
-    objects that cannot be described; its name contains its content, since code is linked by names.
+    """Compile a user function, or a function around it, by a decorator of `_jit`. It is cached on disk unless it refers
+    to objects that cannot be described; its name contains a digest of its content, since code is linked by names.
     """
     if not isinstance(function, FunctionType) or (key := exact_digest(function)) is None:
         return compiled_once(function)
@@ -64,7 +64,7 @@ def key_of(function: Any) -> str | None:
 
 
 class BoundLaw(NamedTuple):
-    """A user's function with the species and the constants of one use."""
+    """A user function with the species and the constants of one use."""
 
     function: Function
     species: tuple[int, ...]
@@ -96,7 +96,8 @@ def arguments_of(function: Function) -> int:
 
 
 def bind(scene: Scene, functions: Sequence[Function]) -> list[BoundLaw]:
-    """The laws of a scene: its `user_laws`, then those given functions that it does not list, on all species.
+    """The laws of a scene: its `user_laws`, followed by the given functions that it does not list, which act on all
+    species.
 
     Raises SceneError for names that are not given, and for unknown species.
     """
@@ -240,7 +241,7 @@ def called(law: BoundLaw, *arguments: Any) -> Any:
     """The value of a compiled law. Raises BadInput with the message of the compiler or of the function."""
     try:
         return compiled_for_laws(law.function)(*arguments)
-    except Exception as error:  # a user's function may raise anything, and so may its compilation
+    except Exception as error:  # a user function may raise any exception, and so may its compilation
         said = [line for line in str(error).splitlines() if line.strip() and not line.startswith("Failed in nopython")]
         why = said[0].strip() if said else type(error).__name__
         expected = KINDS[law.arguments].partition(" (")[2]
@@ -255,7 +256,9 @@ ROUNDING = 1e-12
 
 
 def require_force(law: BoundLaw, distances: Sequence[float], one: Any, other: Any) -> None:
-    """Test a pair law with the parameters of two typical particles, and with those exchanged."""
+    """Evaluate a pair law with the parameters of two typical particles, and with the particles exchanged. Raises
+    BadInput for an invalid result.
+    """
     for distance in distances:
         forces = [called(law, distance, parameters) for parameters in (one, other)]
         for force in forces:
@@ -270,7 +273,7 @@ def require_force(law: BoundLaw, distances: Sequence[float], one: Any, other: An
 
 
 def require_acceleration(law: BoundLaw, position: tuple[float, ...], parameters: Any) -> None:
-    """Test an external law at one position."""
+    """Evaluate an external law at one position. Raises BadInput for an invalid result."""
     found = called(law, position, tuple(0.0 for _ in position), 0.0, parameters)
     good = isinstance(found, tuple) and len(found) == len(position)
     if not good or not all(isinstance(value, float) and math.isfinite(value) for value in found):

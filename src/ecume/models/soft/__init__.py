@@ -1,8 +1,8 @@
-"""Soft spheres close together in a viscous liquid: Soft Dynamics [rognon2009], without inertia.
+"""Soft spheres close to contact in a viscous liquid, without inertia: Soft Dynamics [rognon2009].
 
-Start with `record`, the functions that a run calls, and `state`. `contacts` holds films and surfaces, `integration`
-the implicit time steps, `cell` the box and `protocol` its loading, `setup` the parameters and the first state, `report`
-frames and the energy budget, and `t1` the process of four spheres that the papers study.
+Start with `record`, the functions that a run calls, and `state`. `contacts` contains films and surfaces, `integration`
+the implicit time steps, `cell` the box and `protocol` its loading, `setup` the parameters and the initial state,
+`report` frames and the energy budget, and `t1` the process of four spheres that the papers study.
 """
 
 from ecume.models.soft.record import SOFT

@@ -1,7 +1,8 @@
 """The periodic box in a step: its shear and size, imposed or controlled by stresses.
 
-Its images above are shifted by `tilt` along x. In units of the width, the tilt grows with height/width times the shear
-rate: the strain rate is the speed of the upper image over the present height, also while the height changes.
+The periodic images above the box are shifted by `tilt` along x. In units of the width, the tilt grows with height/width
+times the shear rate: the strain rate is the speed of the upper image over the present height, also while the height
+changes.
 """
 
 from __future__ import annotations
@@ -154,7 +155,9 @@ def impose(cell: Cell, goal: StageTarget) -> None:
 
 @compiled
 def first_cell(cell: Cell, drive: Drive) -> None:
-    """Reset the shape to the start of the step. Its slopes are those imposed, or those at the end of the last step."""
+    """Reset the shape to the start of the step. Its slopes are the imposed ones, or those at the end of the previous
+    step.
+    """
     clear_rows(cell.change)
     for k in range(5):
         cell.shape[k] = cell.start[k] = cell.before[k]
@@ -171,7 +174,7 @@ def first_cell(cell: Cell, drive: Drive) -> None:
 
 @compiled
 def begin_cell(cell: Cell, row: Array, time_step: float) -> None:
-    """Set the start of a stage, from the start of the step and the slopes of the stages before."""
+    """Set the start of a stage, from the start of the step and the slopes of the previous stages."""
     for k in range(6):
         cell.start[k] = cell.before[k] if k < 5 else 0.0
         for earlier in range(len(row)):
@@ -229,8 +232,8 @@ def gradient_of(cell: Cell, unknown: int, goal: StageTarget, row: bool) -> Array
     """The displacement gradient per unit of an unknown of the box: the shear, if a stress controls it, or else the
     size.
 
-    With `row`, that of the virtual work of its stress. They differ for an imposed strain, whose tilt depends on the
-    height.
+    With `row`, the gradient is that of the virtual work of the stress. The two differ for an imposed strain, whose tilt
+    depends on the height.
     """
     gradient = np.zeros((3, 3))
     if unknown == 0 and is_stressed(cell):

@@ -1,4 +1,4 @@
-"""The packing as a porous medium: the quantities of a scene that the permeation of the liquid requires."""
+"""The packing as a porous medium: the quantities of a scene on which the permeation of the liquid depends."""
 
 from __future__ import annotations
 
@@ -90,5 +90,5 @@ def _ends(scene: SoftScene, axis: int) -> tuple[float, float]:
 
 
 def layers_of(spec: PermeationSpec, height: float, diameter: float) -> int:
-    """The number of layers: equal ones, as near as possible to the given height."""
+    """The number of equal layers whose height is as near as possible to the given one."""
     return max(round(height / (spec.layer_height or LAYER * diameter)), 1)

@@ -98,7 +98,7 @@ class Planes(NamedTuple):
 
 
 class Parameters(NamedTuple):
-    """All parameters of a scene that compiled code and the time integration need."""
+    """All parameters of a scene for compiled code and the time integration."""
 
     time_step: float
     """s: a tick; time steps are limited by accuracy and end at the ticks of frames"""

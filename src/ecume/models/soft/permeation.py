@@ -1,17 +1,17 @@
 """The liquid that permeates a packing between walls: its pressure in layers, and its forces on the spheres.
 
-Liquid and spheres do not change their volume, so that across the walls their common flux Q is the same everywhere: that
-of an undrained wall, which moves with the liquid, or, where both ends are drained, the one at which the pressures at
-both ends are equal. Relative to spheres with the mean velocity v, the liquid of a layer then flows with Q - v, which
-takes the pressure gradient dp/dy = (eta/k) (v - Q): Darcy's law, integrated once. Its force on the spheres is -dp/dy
-for each volume of the layer, and each sphere has the part of its volume in it.
+Liquid and spheres are incompressible, so that their total flux Q normal to the walls is the same everywhere. It is that
+of an undrained wall, which moves with the liquid; if both ends are drained, Q is such that the pressures at both ends
+are equal. Relative to spheres with the mean velocity v, the liquid of a layer then flows with Q - v, which requires the
+pressure gradient dp/dy = (eta/k) (v - Q): Darcy's law, integrated once. The force on the spheres is -dp/dy per volume
+of the layer, and is divided among spheres by their volumes in the layer.
 
-The force of a layer, f = A dy dp/dy, is an unknown of each stage, beside the positions:
+The force of a layer, f = A dy dp/dy, is an unknown of each stage, in addition to the positions:
 
     f / zeta = sum of b_i v_i - Q,    zeta = A dy eta / k,    force on sphere i: -b_i f.
 
-This is a symmetric resistance: the liquid dissipates the sum of f^2 / zeta. Only mean velocities are resisted, since
-films resist those of neighbors relative to one another.
+This is a symmetric resistance: the liquid dissipates the sum of f^2 / zeta. It resists only mean velocities, since
+films resist the relative velocities of neighbors.
 """
 
 from __future__ import annotations
@@ -117,8 +117,8 @@ def part_below(height: float, radius: float) -> float:
 @where_there()
 def permeation_response(permeation: Permeation, walls: Walls, position: Array) -> None:
     """Compute shares, solid fractions and resistances of the layers at the present positions, and the force of the
-    liquid on an undrained wall. Each sphere counts in a layer by its volume there; the layers at both ends reach beyond
-    them.
+    liquid on an undrained wall. Each sphere contributes to a layer by its volume there; the two end layers extend
+    beyond the ends.
     """
     medium, share, fraction, resistance = (
         permeation.medium,
@@ -179,8 +179,9 @@ def carried_along(permeation: Permeation, places: Places) -> float:
 
 @compiled
 def unmet_flow(permeation: Permeation, places: Places, moved: Array, span: float) -> tuple[Array, Array]:
-    """What each layer misses of Darcy's law over the time span of a stage (m), and the largest that rounding and the
-    permitted residual make of it. Over no time at all, spheres and liquid do not move relative to one another.
+    """The residual of Darcy's law for each layer over the time span of a stage (m), and the largest residual that
+    rounding and the tolerance of forces explain. Over a time span of zero, spheres and liquid do not move relative to
+    each other.
     """
     share, force, resistance = permeation.share, permeation.force, permeation.resistance
     axis, along = permeation.medium.axis, carried_along(permeation, places)
@@ -221,7 +222,7 @@ def layer_unknowns(permeation: Permeation | tuple[()]) -> int:
 
 
 def fill_layer_borders(permeation: Permeation, places: Places, moved: Array, span: float, borders: Borders) -> None:
-    """Fill the borders of the system for the forces of layers, after those of walls that forces move.
+    """Fill the borders of the system for the forces of layers, after those of movable walls.
 
     The law of a layer is b . x - g - span f / zeta = 0, where g is the displacement of the undrained wall or the flux:
     its row is minus the column of its forces.
@@ -312,7 +313,7 @@ def layer_error(permeation: Permeation, scheme: Scheme, time_step: float) -> flo
 
 @where_there()
 def accept_layers(permeation: Permeation) -> None:
-    """Start the next step."""
+    """Start the next step of the layers."""
     copy_line(permeation.before, permeation.force)
     copy_line(permeation.past, permeation.slope[-1])
 

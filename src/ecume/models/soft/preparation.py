@@ -1,4 +1,4 @@
-"""The first state of a packing that is compressed and relaxed before time 0."""
+"""The initial state of a packing that is compressed and relaxed before time 0."""
 
 from __future__ import annotations
 
@@ -63,7 +63,7 @@ def _pressing(scene: SoftScene, spec: PreparationSpec, parameters: Parameters) -
 
 
 def _unloaded(scene: SoftScene, parameters: Parameters) -> Parameters:
-    """The parameters without loads and without an end, with frames at intervals of 1/rate; walls stand still."""
+    """The parameters without loads and without an end, with frames at intervals of 1/rate and with walls at rest."""
     nothing = {name: np.zeros_like(getattr(parameters, name)) for name in ("force", "torque", "weight")}
     walls = parameters.walls._replace(force=np.zeros_like(parameters.walls.force), free=np.zeros((0, 2), np.int64))
     walls = _moved(walls, np.zeros_like(walls.surfaces.velocity))
@@ -72,7 +72,7 @@ def _unloaded(scene: SoftScene, parameters: Parameters) -> Parameters:
 
 
 def _moved(walls: Planes, velocity: Array) -> Planes:
-    """Walls with these velocities."""
+    """The walls with these velocities."""
     return walls._replace(surfaces=walls.surfaces._replace(velocity=np.ascontiguousarray(velocity)))
 
 
@@ -106,7 +106,7 @@ def _latest(scene: SoftScene, spec: PreparationSpec, pressing: Parameters) -> fl
 
 
 def _pressed(scene: SoftScene, pressure: float, parameters: Parameters) -> Parameters:
-    """The parameters of a rest at this pressure, which controls the cell, or the wall that has a pressure."""
+    """The parameters of a rest at this pressure, which is that of the cell, or of the wall that has a pressure."""
     quiet = _unloaded(scene, parameters)
     if not scene.walls:
         return quiet._replace(protocol=protocol_of((StageSpec(time=0.0, pressure=pressure),)))
@@ -118,14 +118,14 @@ def _pressed(scene: SoftScene, pressure: float, parameters: Parameters) -> Param
 
 
 def section_of(scene: SoftScene) -> tuple[int, float]:
-    """The axis of the wall that has a pressure, and the section across it (m^2; in a layer m)."""
+    """The axis of the wall that has a pressure, and the area of the section across it (m^2; in a layer m)."""
     axis = next(SIDES[wall.side][0] for wall in scene.walls if wall.pressure is not None)
     sides = sides_of(scene)
     return axis, math.prod(sides) / sides[axis]
 
 
 def _presses(scene: SoftScene, parameters: Parameters, state: State) -> bool:
-    """Whether the requested pressure is reached; False without one."""
+    """Whether the requested pressure is reached; False if none is requested."""
     if scene.preparation is None or scene.preparation.pressure is None:
         return False
     numbers = observe(parameters, state, workspace(parameters, state, 1.0)).numbers
@@ -147,7 +147,7 @@ def compression(scene: SoftScene, spec: PreparationSpec) -> tuple[StageSpec, Sta
 
 
 def _rewind(scene: SoftScene, parameters: Parameters, state: State) -> None:
-    """Set the clock to 0, and balance the forces that begin there."""
+    """Set the clock to 0, and balance the forces that start then."""
     state.step[:], state.pace[CLOCK], state.pace[PAST_ERROR], state.cell_rate[:] = 0, 0.0, 0.0, 0.0
     state.pace[LENGTH] = setup.first_length(scene, parameters, state)
     if not parameters.drag.any() or any(rules_at(parameters.protocol, 0)):
@@ -155,8 +155,8 @@ def _rewind(scene: SoftScene, parameters: Parameters, state: State) -> None:
 
 
 def _relax(parameters: Parameters, state: State, part: float) -> float:
-    """Integrate until contact forces change by less than the fraction `part` within 1/rate. Returns the fraction by
-    which they last did. Raises SceneError.
+    """Integrate until contact forces change by less than the fraction `part` within 1/rate. Returns the fraction of the
+    last change. Raises SceneError.
     """
     frame, least = parameters.steps_per_frame, FAINT * float((parameters.modulus * parameters.radius**2).max())
     before = _forces(parameters, state)

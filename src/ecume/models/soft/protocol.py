@@ -22,7 +22,7 @@ SAME = 1e-12
 
 
 class Protocol(NamedTuple):
-    """Intervals, each from its time to the next one; the last has no end."""
+    """Intervals, each of which lasts until the time of the next one; the last has no end."""
 
     times: Array
     """(T,) s, the first is 0"""
@@ -39,7 +39,7 @@ class Protocol(NamedTuple):
 
 
 class Drive(NamedTuple):
-    """The imposed values at one time; of strain, scale and height, the imposed part of their change."""
+    """The imposed values at one time. For strain, scale and height it is the imposed part of their change."""
 
     load: float
     """factor of external forces"""
@@ -72,7 +72,7 @@ class Rules(NamedTuple):
 
 
 class SizeControl(NamedTuple):
-    """Which sides of the box a stress controls after a moment with this key."""
+    """The sides of the box that a stress controls after a moment with this key."""
 
     sides: tuple[int, int, int]
     """1 for each of width, height and depth that the stress of the key controls, 0 where imposed"""
@@ -86,7 +86,7 @@ SIZE_CONTROLS = {
 
 
 def interval_at(protocol: Protocol, time: float) -> int:
-    """The interval that contains a time; at a corner, to rounding, the later one."""
+    """The interval that contains a time; at a corner, to within rounding, the later one."""
     return max(int(np.searchsorted(protocol.times, time * (1.0 + SAME), side="right")) - 1, 0)
 
 
@@ -118,8 +118,8 @@ def next_turn(protocol: Protocol, time: float) -> float:
 
 
 def at_frames(protocol: Protocol, ticks: int, tick: float, end: float) -> Protocol:
-    """A protocol whose corners within rounding of a frame, or of the end, are at the frame: a step from one to the
-    other would be too short for its equations, and a jump in between would be missed.
+    """A protocol whose corners within rounding of a frame, or of the end, are moved to the frame. Otherwise a step
+    between the two would be too short for its equations, and a jump in it would be missed.
 
     Frames are `ticks` ticks apart; `tick` and `end` are times (s).
     """

@@ -1,4 +1,4 @@
-"""The soft model, as the driver sees it."""
+"""The record of the soft model: the functions that a run calls."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 
 
 def checked_parameters(scene: SoftScene) -> Parameters:
-    """The parameters of a scene that fits into the machine."""
+    """The parameters of a scene that fits into the memory of the machine."""
     count = sum(species.count or len(species.positions) for species in scene.particles)
     every = scene.films.cutoff is None and scene.cell is None
     contacts = count * (count - 1) / 2 if every else 20.0 * count
@@ -40,7 +40,7 @@ def checked_parameters(scene: SoftScene) -> Parameters:
 
 
 def layout(scene: SoftScene, parameters: Parameters, state: State) -> Layout:
-    """The layout of a state of this scene; contacts refer to spheres."""
+    """The layout of a state of this scene; contacts contain indices of spheres."""
     count, room = len(parameters.radius), state.pair.size // 2
     blank = make_state(parameters, np.zeros((count, parameters.dimensions)), room)
     if not state.budget.size:
@@ -52,14 +52,14 @@ def layout(scene: SoftScene, parameters: Parameters, state: State) -> Layout:
 
 
 def extended(laws: Sequence[BoundLaw]) -> Model:
-    """Soft spheres with laws of the user."""
+    """The model of soft spheres with user laws."""
     from ecume.models.soft import user_laws
 
     return user_laws.extended(SOFT, laws)
 
 
 def summary(scene: SoftScene) -> list[Row]:
-    """Derived numbers: name, value with unit, remark. Raises SceneError for anything that would prevent a run."""
+    """Derived numbers: name, value with unit, remark. Raises SceneError if the run could not start."""
     parameters = checked_parameters(scene)
     return advice(scene, parameters, unprepared(scene, parameters))
 
@@ -90,7 +90,7 @@ def _missing(seen: NumberHistory) -> float:
     """The residual of the energy budget: the work minus the changes of stored, dissipated and
     surface energy.
 
-    It is relative to the exchanged energy plus `stake`, since the tolerance is one of ln(gap) and directions.
+    It is relative to the exchanged energy plus `stake`, since the tolerance refers to ln(gap) and directions.
     """
     if INJECTED not in seen.now:
         return 0.0
@@ -117,7 +117,7 @@ def _left(seen: NumberHistory) -> float:
 
 
 def laws_of(scene: Any) -> list[Source]:
-    """The laws of films, surfaces and tangential forces."""
+    """The sources of the laws of films, surfaces and tangential forces."""
     films = scene.films
     laws: list[Source] = [soft_pair.squeeze_friction, soft_pair.shear_friction, soft_pair.contact_size]
     laws += [*surfaces.SURFACES[films.surface].papers, interfaces.INTERFACES[films.interface]]
@@ -130,7 +130,7 @@ def laws_of(scene: Any) -> list[Source]:
 
 
 def steps_taken(state: State) -> int:
-    """The steps that were accepted."""
+    """The number of accepted steps."""
     return int(state.tally[ACCEPTED])
 
 

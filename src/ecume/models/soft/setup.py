@@ -88,7 +88,9 @@ def stand_on_walls(scene: SoftScene, parameters: Parameters, position: Array) ->
 
 
 def _require_room(parameters: Parameters, ends: Array, least: float) -> None:
-    """Raise SceneError if spheres, each with half of the least gap around it, would fill more than the whole region."""
+    """Raise SceneError if the spheres, each enlarged by half of the smallest gap, would fill more than the whole
+    region.
+    """
     unit = math.pi if parameters.dimensions == 2 else 4.0 / 3.0 * math.pi
     filled = unit * float(((parameters.radius + 0.5 * least) ** parameters.dimensions).sum()) / float(np.prod(ends))
     if filled > 1.0:
@@ -97,7 +99,7 @@ def _require_room(parameters: Parameters, ends: Array, least: float) -> None:
 
 
 def pushed_apart(parameters: Parameters, position: Array, box: Box, least: float) -> Array:
-    """Positions near the given ones without gaps below `least`, by minimizing the sum of squared overlaps. Raises
+    """Positions near the given ones without gaps below `least`, found by minimizing the sum of squared overlaps. Raises
     SceneError.
     """
     wide = parameters._replace(contacts=parameters.contacts._replace(fade_from=WIDER * least))
@@ -194,7 +196,7 @@ def require_gaps(parameters: Parameters, position: Array, box: Box) -> None:
 
 
 def require_hold(parameters: Parameters, state: State) -> None:
-    """Raise SceneError for spheres without drag on which a force acts and which no film connects to the others."""
+    """Raise SceneError for spheres without drag on which a force acts and which no film connects to other spheres."""
     pair = state.pair[: state.contacts[0]]
     _, pulled = loose_spheres(parameters, pair, state.touching)
     if len(pulled):
@@ -310,8 +312,8 @@ def parameters_of(scene: SoftScene) -> Parameters:
 
 
 def start(scene: SoftScene, parameters: Parameters) -> State:
-    """The state without a preparation: spheres in place, films without flow, and the first forces balanced by
-    deflections.
+    """The initial state without a preparation: spheres at their positions, films at rest, and the initial forces
+    balanced by deflections.
     """
     position = places(scene, parameters)
     drive = drive_at(parameters.protocol, 0.0)
@@ -370,7 +372,7 @@ def balance_first(parameters: Parameters, state: State) -> None:
 
 def rolled_into(parameters: Parameters, state: State) -> str:
     """A sentence if forces have moved spheres into each other at constant gaps, since nothing resists rolling around a
-    single film without drag; empty without overlaps.
+    single film without drag; otherwise empty.
     """
     known = state.pair[: state.contacts[0]], state.image[: state.contacts[0]]
     pair, _, between = new_pairs(parameters, state.position, box_in(parameters, state), known)
@@ -435,9 +437,9 @@ SLOW, SLOWEST = 1e-3, 1e-6
 
 
 def compression_rate(scene: SoftScene, parameters: Parameters) -> float:
-    """The rate of compression (1/s): as given, or so slow that films bear little of the load. By default the viscous
-    number eta rate / P is SLOW, with the requested pressure P; for a volume fraction, eta rate over the largest modulus
-    is SLOWEST.
+    """The rate of compression (1/s): the given one, or one so low that films bear little of the load. By default the
+    viscous number eta rate / P is SLOW, with the requested pressure P; for a volume fraction, eta rate over the largest
+    modulus is SLOWEST.
     """
     spec, viscosity = scene.preparation, parameters.contacts.viscosity
     if spec is None or spec.rate is not None:
@@ -449,7 +451,7 @@ def compression_rate(scene: SoftScene, parameters: Parameters) -> float:
 
 
 def _weights(scene: SoftScene, radius: Array, counts: list[int]) -> Array:
-    """Gravity less buoyancy of each sphere (N)."""
+    """Gravity minus buoyancy of each sphere (N)."""
     if scene.gravity is None:
         return np.zeros((len(radius), dimensions_of(scene)))
     liquid = material_of(scene.liquid).density
@@ -542,7 +544,7 @@ def _missing_needs(scene: SoftScene, laws: Laws) -> list[Fault]:
 
 
 def _missing_permeability(scene: SoftScene) -> list[Fault]:
-    """A permeability that its law needs and has not, or has and does not use."""
+    """A fault if the permeability law needs a permeability that is missing, or does not use the given one."""
     if scene.permeation is None:
         return []
     row, given = PERMEABILITIES[scene.permeation.law], scene.permeation.permeability is not None
@@ -553,7 +555,7 @@ def _missing_permeability(scene: SoftScene) -> list[Fault]:
 
 
 def _moduli(scene: SoftScene, radius: Array, counts: list[int]) -> Array:
-    """The modulus of each sphere's material; for bubbles the equivalent, surface tension over radius."""
+    """The modulus of the material of each sphere; for bubbles the equivalent, surface tension over radius."""
     given = np.repeat([math.nan if one.modulus is None else one.modulus for one in scene.particles], counts)
     return np.where(np.isnan(given), material_of(scene.liquid).surface_tension / radius, given)
 

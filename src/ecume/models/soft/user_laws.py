@@ -1,7 +1,7 @@
-"""Pair laws of the user for soft spheres: normal forces between surfaces as a function of the gap.
+"""User pair laws for soft spheres: normal forces between surfaces as functions of the gap.
 
-They are added to the long-range force of the scene between spheres, not at walls. Compiled loops interpolate them in
-tables, one for each pair of species, so that compiled code does not depend on code of the user.
+User laws are added to the long-range force of the scene between spheres, but not at walls. Compiled loops interpolate
+in tables, one for each pair of species, so that compiled code does not depend on the user's code.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ TESTED = (1e-6, 1e-3, 1.0)
 
 
 class SpherePair(NamedTuple):
-    """The properties of the two spheres of a pair that user-defined laws get, in addition to the gap."""
+    """The properties of the two spheres of a pair that user laws receive, in addition to the gap."""
 
     radius_i: float
     radius_j: float
@@ -41,7 +41,7 @@ class SpherePair(NamedTuple):
 
 
 def extended(model: Model, laws: Sequence[BoundLaw]) -> Model:
-    """The soft model with laws of the user. Raises BadInput for unsuitable functions."""
+    """The soft model with user laws. Raises BadInput for unsuitable functions."""
     require_kinds("soft", laws, [PAIR])
 
     def parameters_of(scene: SoftScene) -> Parameters:
@@ -77,7 +77,7 @@ def tables_of(laws: Sequence[BoundLaw], scene: SoftScene, parameters: Parameters
 
 
 def _ends(parameters: Parameters) -> Array:
-    """The first ln(gap) of tables, and the spacing."""
+    """The first ln(gap) of tables, and the spacing of their nodes."""
     low = NARROWEST * float(parameters.radius.min())
     high = min(parameters.contacts.fade_to, WIDEST * float(parameters.radius.max()))
     begin, end = (float(log(np.float64(gap))) for gap in (low, high))

@@ -2,8 +2,8 @@
 without mutual forces.
 
 Start with `time_stepping`: motion with inertia, which is exact between walls, and motion without inertia.
-`energy_budget` holds the work, `parameters` the state, drag laws, the choice of the time step and the walls, and
-`openings` the particles that enter.
+`energy_budget` contains the work, `parameters` the parameters, the state and the choice of the time step, `tank` the
+walls, `drag_laws` the drag, and `openings` the particles that enter.
 """
 
 from ecume.models.tracers.record import TRACERS

@@ -32,7 +32,7 @@ def detour_of(scene: TracersScene, stream: tuple[float, float, float]) -> tuple[
 
 
 def around_in_channel(scene: TracersScene) -> Any:
-    """The solved flow of a channel around obstacles. Raises SceneError where it cannot be."""
+    """The computed flow of a channel around obstacles. Raises SceneError if the flow cannot be computed."""
     flow, tank = scene.flow, scene.tank
     require_unused(flow, frozenset({"speed", "pulse"}), "a channel with obstacles")
     if tank is None or tank.high is None or tank.low is None:
@@ -73,7 +73,7 @@ def _in_3d(scene: TracersScene, box: Box, periodic: tuple[str, ...], speed: floa
 
 
 def _outline(body: ObstacleSpec) -> tuple[tuple[float, float], ...]:
-    """The corners of an obstacle in 2D; of a disc those of a polygon around it."""
+    """The corners of an obstacle in 2D; for a disc, those of a circumscribed polygon."""
     if body.center is not None and body.radius is not None:
         return disc_outline(body.center, body.radius)
     if body.low is not None and body.high is not None:
@@ -83,7 +83,7 @@ def _outline(body: ObstacleSpec) -> tuple[tuple[float, float], ...]:
 
 
 def _solid(body: ObstacleSpec) -> Sphere | Corners:
-    """An obstacle in 3D: a center and a radius, or corners."""
+    """An obstacle in 3D: center and radius of a sphere, or corners."""
     if body.center is not None and body.radius is not None:
         return deep(body.center), float(body.radius)
     if body.low is not None and body.high is not None:
@@ -93,7 +93,7 @@ def _solid(body: ObstacleSpec) -> Sphere | Corners:
 
 
 def deep(point: Sequence[float]) -> tuple[float, float, float]:
-    """A point with x, y and z; in 2D y is 0."""
+    """The point with three coordinates; in 2D y is 0."""
     return (point[0], 0.0, point[1]) if len(point) == 2 else (point[0], point[1], point[2])
 
 
@@ -101,7 +101,7 @@ SHAPE_KEYS = ("speed", "rate", "wavelength", "period", "swing", "radius", "cente
 
 
 def require_unused(flow: FlowSpec, used: frozenset[str], what: str) -> None:
-    """Raise SceneError for keys that a flow does not take."""
+    """Raise SceneError for keys that a flow does not use."""
     spare = [key for key in SHAPE_KEYS if key not in used and getattr(flow, key) is not None]
     if spare:
         raise SceneError([Fault(f"flow.{key}", f"is not used by {what}; remove it") for key in spare])

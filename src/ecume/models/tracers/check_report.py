@@ -110,8 +110,8 @@ def summary_of(scene: TracersScene, parameters: Parameters, index: int) -> list[
 
 
 def corners_remark(scene: TracersScene, ratio: float) -> str:
-    """The remark on a layer that is thinner than the noise of a step by this ratio; empty if the step resolves it, and
-    where all walls are at right angles.
+    """The remark on a sediment layer that is thinner than the noise of a step by this ratio. It is empty if the step
+    resolves the layer, and if all walls are at right angles.
     """
     right = scene.tank is None or (scene.tank.high is not None and not scene.obstacles)
     if ratio <= 1.0 or right:
@@ -121,7 +121,7 @@ def corners_remark(scene: TracersScene, ratio: float) -> str:
 
 def settled(scene: TracersScene, name: str, speed: float) -> list[tuple[str, str, str]]:
     """The row on the time in which one species crosses a box at a downward speed (m/s); empty without bottom and top,
-    and where particles may leave.
+    and if particles may leave.
     """
     tank = scene.tank
     if tank is None or tank.high is None or "xyz"[scene.dimensions - 1] in tank.periodic or scene.openings:
@@ -137,7 +137,7 @@ SLIPS = 0.01
 
 
 def slip_of(scene: TracersScene, fluid: Fluid, index: int) -> list[tuple[str, str, str]]:
-    """The row on the slip of one species in a gas, estimated at one atmosphere unless the scene states a mean free
+    """The row on the slip of one species in a gas, estimated at one atmosphere unless the scene gives a mean free
     path.
     """
     known, path, species = fluid.mean_free_path > 0.0, fluid.mean_free_path, scene.particles[index]
@@ -232,7 +232,7 @@ def flow_rows(scene: TracersScene, parameters: Parameters, flow: LiquidFlow) -> 
 
 
 def through_solids(scene: TracersScene, parameters: Parameters, flow: LiquidFlow) -> list[tuple[str, str, str]]:
-    """The row on liquid that flows through obstacles, with its largest normal velocity."""
+    """The row on liquid that flows through the surfaces of obstacles, with its largest normal velocity."""
     rows = []
     for index, body in enumerate(scene.obstacles):
         low, high = (np.array(corner) for corner in around(body))

@@ -1,10 +1,10 @@
-"""Velocities on tetrahedra made free of divergence everywhere, and not only on the average over elements.
+"""Correction of velocities on tetrahedra, after which their divergence vanishes everywhere instead of only on average.
 
 A solution with quadratic velocities has a divergence in each tetrahedron. First the fluxes through faces are corrected
-by least squares, so that as much enters each tetrahedron as leaves it: cubic bubbles on faces carry the corrections.
-The rest of the divergence is removed within each tetrahedron, which its center divides in four, by continuous cubics
-that vanish on its surface; on four such parts they have every divergence that has no mean [zhang2005]. What remains is
-continuous, and zero where the solution is zero on surfaces.
+by least squares so that the net flux into each tetrahedron is zero; the corrections are cubic bubbles on faces. The
+remaining divergence is removed within each tetrahedron. Its center divides it into four parts, on which continuous
+cubics that vanish on its surface can have any divergence with zero mean [zhang2005]. The result is continuous, and zero
+where the solution is zero on surfaces.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ Exponents = tuple[int, int, int]
 
 
 def exponents(degree: int) -> tuple[Exponents, ...]:
-    """Those of all monomials in three variables up to a degree, in the order of `obstacle_flows_3d`."""
+    """The exponents of all monomials in three variables up to a degree, in the order of `obstacle_flows_3d`."""
     return tuple(
         (i, j, total - i - j)
         for total in range(degree + 1)
@@ -41,14 +41,14 @@ MEAN = np.array([math.prod(map(math.factorial, each)) / math.factorial(sum(each)
 
 
 def monomials(places: Array, powers: tuple[Exponents, ...]) -> Array:
-    """Their values at places, in the last axis."""
+    """The values of monomials at some positions, in the last axis."""
     found: Array = np.stack([np.prod(places ** np.array(each), axis=-1) for each in powers], axis=-1)
     return found
 
 
 @cache
 def slopes() -> Array:
-    """(3, 10, 20) the coefficients of the derivative along each axis of each cubic monomial."""
+    """The coefficients (3, 10, 20) of the derivative along each axis of each cubic monomial."""
     found = np.zeros((3, len(QUADRATICS), len(CUBICS)))
     for column, powers in enumerate(CUBICS):
         for axis in range(3):
@@ -59,7 +59,7 @@ def slopes() -> Array:
 
 
 def _product(one: Array, other: Array) -> Array:
-    """Of two polynomials by their cubic coefficients; higher terms must vanish."""
+    """The product of two polynomials as cubic coefficients; higher terms must vanish."""
     found = np.zeros(len(CUBICS))
     for (a, p), (b, q) in itertools.product(enumerate(CUBICS), enumerate(CUBICS)):
         if one[a] and other[b]:
@@ -69,7 +69,9 @@ def _product(one: Array, other: Array) -> Array:
 
 @cache
 def face_bubbles() -> Array:
-    """(4, 20) the product of the barycentric coordinates of the corners of the face across from each corner."""
+    """The coefficients (4, 20) of the product of the barycentric coordinates of the corners of the face opposite to
+    each corner.
+    """
     linear = np.zeros((4, len(CUBICS)))
     linear[0, CUBICS.index((0, 0, 0))] = 1.0
     for k, powers in enumerate(((1, 0, 0), (0, 1, 0), (0, 0, 1)), 1):
@@ -80,8 +82,8 @@ def face_bubbles() -> Array:
 
 @cache
 def inner_correction() -> Array:
-    """(4, 20, 3, 10) the coefficients in each of the four parts of the field that vanishes on the surface and has minus
-    the divergence given by its 10 coefficients, less its mean.
+    """The coefficients (4, 20, 3, 10), in each of the four parts, of the field that vanishes on the surface and whose
+    divergence is minus the one given by its 10 coefficients, without its mean.
     """
     weights = np.array([each for each in itertools.product(range(4), repeat=4) if sum(each) == 3]) / 3.0
     basis: dict[tuple[int, ...], Array] = {}
@@ -104,16 +106,18 @@ def inner_correction() -> Array:
 
 
 def without_divergence(mesh: Any, quadratic: Array, pairs: Integers) -> tuple[Array, Array]:
-    """(T, 4, 20, 3) the coefficients in the parts of each tetrahedron of scikit-fem's mesh, in coordinates along its
-    edges, and (T, 12) its corner and the inverse of its edges; quadratic (T, 10, 3): the coefficients of the solution,
-    pairs (P, 2): the faces on two periodic sides that are the same. [zhang2005].
+    """The coefficients (T, 4, 20, 3) in the parts of each tetrahedron, in coordinates along its edges, and (T, 12) its
+    corner and the inverse of its edges. `mesh` is that of scikit-fem; quadratic (T, 10, 3) are the coefficients of the
+    solution; pairs (P, 2) are the faces on two periodic sides that are equivalent. [zhang2005].
     """
     corners = mesh.p.T[mesh.t.T]
     edges = np.stack([corners[:, k] - corners[:, 0] for k in (1, 2, 3)], axis=2)
     size, inverse = np.linalg.det(edges), np.linalg.inv(edges)
 
     def divergence(cubic: Array) -> Array:
-        """Times the determinant: that of the field in the coordinates along the edges, whose fluxes are the same."""
+        """The divergence times the determinant: that of the field in coordinates along the edges, whose fluxes are the
+        same.
+        """
         found: Array = np.einsum("aqc,t,tak,tck->tq", slopes(), size, inverse, cubic, optimize=True)
         return found
 
@@ -128,7 +132,7 @@ def without_divergence(mesh: Any, quadratic: Array, pairs: Integers) -> tuple[Ar
 
 
 def _through_faces(mesh: Any, outflow: Array, pairs: Integers) -> Array:
-    """(T, 20, 3) the cubics that carry the least fluxes through faces which undo the outflow of each tetrahedron."""
+    """The cubics (T, 20, 3) with the smallest fluxes through faces that cancel the net outflow of each tetrahedron."""
     from scipy.sparse import csr_array
     from scipy.sparse.linalg import cg
 
@@ -143,7 +147,7 @@ def _through_faces(mesh: Any, outflow: Array, pairs: Integers) -> Array:
     assert failed == 0  # noqa: S101  # the graph of tetrahedra is connected
     flux = np.zeros(len(one))
     flux[inner] = balance.T @ potential
-    # A bubble has a sixtieth of the area of its face as its integral.
+    # The integral of a bubble over its face is a sixtieth of the area.
     a, b, c = mesh.p.T[mesh.facets]
     normal = np.cross(b - a, c - a)
     away = (a + b + c) / 3.0 - mesh.p.T[mesh.t.T[one]].mean(axis=1)

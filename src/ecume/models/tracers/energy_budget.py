@@ -1,11 +1,11 @@
 """The energy budget of tracers: the work of the liquid and of openings. Energy minus this work never increases.
 
-The power of the drag force G on a particle is G.v = G.u - (dissipation), with the liquid's velocity u; a flowing
+The power of the drag force G on a particle is G.v = G.u - (dissipation), with the velocity u of the liquid. A flowing
 liquid does at most the work of G.u, where u is constant during a step, as in the flight. In a step with a collision the
-drag continues as in free flight and may do more work in a flow, G.v, which then counts. A liquid at rest does no work:
-energy gained from drag after a bounce is an error, and is detected as one. Thermal noise adds heat, the difference of
-the energies with and without it. Particles that enter or leave carry their energy. Tracers without inertia have no
-kinetic energy: their velocity in a frame is that of the liquid.
+drag continues as in free flight and may do more work, that of G.v, which then counts. A liquid at rest does no work:
+energy gained from drag after a bounce is detected as an error. Thermal noise adds heat, the difference of the energies
+with and without it. Particles that enter or leave carry their energy. Tracers without inertia have no kinetic energy:
+their velocity in a frame is that of the liquid.
 """
 
 from __future__ import annotations
@@ -50,7 +50,7 @@ def work_of_flights(parameters: Parameters, state: State, scratch: Workspace) ->
 
 @compiled
 def energy_before(parameters: Parameters, scratch: Workspace, i: int) -> float:
-    """The energy per mass of a tracer with inertia at the start of the step (J/kg)."""
+    """The energy per mass (J/kg) at the start of the step of a tracer with inertia."""
     last = scratch.origin.shape[1] - 1
     energy: float = parameters.bodies.apparent_gravity[i] * scratch.origin[i, last]
     for axis in range(last + 1):
@@ -76,8 +76,8 @@ def carry_of_flight(parameters: Parameters, state: State, scratch: Workspace, i:
 
 @compiled
 def heat_of_flight(parameters: Parameters, state: State, scratch: Workspace, i: int) -> float:
-    """Work of thermal noise per mass (J/kg): exact in free flight; after wall collisions, its work
-    along the parabola.
+    """The work of thermal noise per mass (J/kg): exact in free flight; after wall collisions, the work along the
+    parabola.
     """
     h, last, heat = parameters.time_step, scratch.origin.shape[1] - 1, 0.0
     for axis in range(last + 1):
@@ -136,7 +136,7 @@ def overdamped_kinetic_energy(parameters: Parameters, state: State) -> float:
 
 
 def exchange(parameters: Parameters, state: State) -> State:
-    """The state with all particles that have entered by now, and their energy in the budget."""
+    """The state with all particles that have entered so far, and with their energy in the budget."""
     arrivals, first, bodies = parameters.arrivals, entered_count(parameters, state), parameters.bodies
     last = int(np.searchsorted(arrivals.step, int(state.step[0]), side="right"))
     position, velocity = arrivals.position[first:last], arrivals.velocity[first:last]

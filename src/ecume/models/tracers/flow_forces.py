@@ -31,9 +31,9 @@ def add_forces(
     laws: Array,
     found: Array,
 ) -> None:
-    """Set the accelerations by these forces (m/s^2). bodies = (mass, radius, friction, apparent gravity,
-    sphericity); liquid = (velocities, gradients, drag law); numbers = (time step, density, viscosity, added mass over
-    displaced mass, and the three of `Forces`); `laws`: accelerations by laws of the user.
+    """Set the accelerations (m/s^2) by the forces of an accelerating and curved flow. bodies = (mass, radius, friction,
+    apparent gravity, sphericity); liquid = (velocities, gradients, drag law); numbers = (time step, density, viscosity,
+    added mass over displaced mass, and the three flags of `Forces`); `laws` are the accelerations by user laws.
 
     Lift uses the slip in the middle of the step, predicted from drag and the forces at its start, so that it is of
     second order.

@@ -1,7 +1,7 @@
 """Loops over tracers in a flow that varies: the velocity of the liquid at each tracer, its path with the liquid, and
 gradients.
 
-They are compiled for one velocity function and kept on disk, so that a scene compiles only its own flow.
+They are compiled for one velocity function and cached on disk, so that a scene compiles only its flow.
 """
 
 from __future__ import annotations
@@ -93,22 +93,22 @@ Instant = tuple[float, float]
 
 @compiled_inside
 def instant_at(current: Current, time: float) -> Instant:
-    """The instant of a time."""
+    """The instant that belongs to a time."""
     pulse = current.pulse
     return time, carrier_flows.time_factor(time, pulse[0], pulse[1], pulse[2])
 
 
 @compiled_inside
 def within_period(value: float, low: float, period: float) -> float:
-    """The coordinate wrapped into the tank: paths of a step may cross its periodic sides, where
-    fields from files end.
+    """The coordinate wrapped into the tank. Paths of a step may cross its periodic sides, where fields from files
+    end.
     """
     return value - period * math.floor((value - low) / period) if period > 0.0 else value
 
 
 def _velocity_at(velocity: Callable[..., Vector], dimensions: int) -> Callable[[Current, Vector, Instant], Vector]:
-    """The velocity of the whole flow at a point, from coordinates in the order of positions. It is compiled into each
-    place that calls it: a call costs a quarter of the interpolation on a grid.
+    """The velocity of the whole flow at a point, from coordinates in the order of positions. The function is inlined at
+    each call, since a call would take a quarter of the time of the interpolation on a grid.
     """
 
     def velocity_in_3d(current: Current, place: Vector, instant: Instant) -> Vector:
@@ -175,7 +175,7 @@ stages of one particle wait for one another.
 
 def _paths(at: Callable[..., Vector]) -> Callable[..., None]:
     """The loop of the fourth-order Runge-Kutta method: the particle moves with the liquid and with `drift`. Until the
-    last stage `flow` is the weighted sum of velocities, and `travel` the place of the next stage.
+    last stage `flow` contains the weighted sum of velocities, and `travel` the position of the next stage.
     """
 
     @compiled_for_laws

@@ -34,7 +34,7 @@ from ecume.units import Array
 
 
 def advance(parameters: Parameters, state: State, scratch: Workspace, steps: int, loops: Loops | None = None) -> int:
-    """Integrate: see `ecume.models.model.Model.advance`. `loops` are those of a flow by a function of the user."""
+    """Advance by `steps` steps: see `ecume.models.model.Model.advance`. `loops` are those of a user-defined flow."""
     if parameters.current == ():
         return time_stepping.advance(parameters, state, scratch, steps)
     loops = loops or loops_for(parameters.current, parameters.dimensions)
@@ -121,8 +121,8 @@ def _noisy_step(plain: Parameters, state: State, scratch: Workspace, flowing: Fl
 
 
 def _place_step(plain: Parameters, state: State, scratch: Workspace, flowing: Flowing, around: Surroundings) -> bool:
-    """Perform one step of particles without inertia whose diffusivity depends on place: half a step with the liquid,
-    settling and diffusion, and the other half.
+    """Perform one step of particles without inertia whose diffusivity depends on position: half a step with the liquid,
+    settling and diffusion, and another half step with the liquid.
     """
     (_, _, (time, h)), bodies = flowing, plain.bodies
     well = _half_path(plain, state, scratch, flowing, time)
@@ -146,7 +146,7 @@ def _place_step(plain: Parameters, state: State, scratch: Workspace, flowing: Fl
 
 
 def _half_path(plain: Parameters, state: State, scratch: Workspace, flowing: Flowing, time: float) -> bool:
-    """Move particles for half a step with the liquid and the laws of the user."""
+    """Move particles for half a step with the liquid and the user laws."""
     loops, current, (_, h) = flowing
     fill(scratch.kick, 0.0)
     add_drifts(plain.bodies.mass, plain.bodies.friction, scratch.status, scratch.external, scratch.kick)
@@ -158,8 +158,8 @@ def _half_path(plain: Parameters, state: State, scratch: Workspace, flowing: Flo
 
 
 def _finished(plain: Parameters, state: State, scratch: Workspace, flowing: Flowing) -> bool:
-    """Set the velocities of particles without inertia: at the time of a frame if one is due, else the means over the
-    step.
+    """Set the velocities of particles without inertia: if a frame is due, those at its time, otherwise the means over
+    the step.
     """
     (loops, current, when), bodies = flowing, plain.bodies
     select_regime(scratch.status, state.left, bodies.overdamped, 1)
@@ -171,7 +171,7 @@ def _finished(plain: Parameters, state: State, scratch: Workspace, flowing: Flow
 
 @compiled
 def plan_own_drifts(settling: Array, status: Integers, drift: Array) -> None:
-    """Set the velocity relative to the liquid: settling."""
+    """Set the velocity relative to the liquid, which is the settling velocity."""
     fill(drift, 0.0)
     last = drift.shape[1] - 1
     for i in range(len(status)):

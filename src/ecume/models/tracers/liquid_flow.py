@@ -1,4 +1,4 @@
-"""The flow of the liquid in a scene: its choice, its velocity at any place, and its scales of variation."""
+"""The flow of the liquid in a scene: its choice, its velocity at any position, and its scales of variation."""
 
 from __future__ import annotations
 
@@ -78,7 +78,7 @@ class LiquidFlow(NamedTuple):
         return found
 
     def unbounded(self) -> LiquidFlow:
-        """The same flow, not continued periodically beyond a periodic tank."""
+        """The same flow without periodic continuation beyond a periodic tank."""
         if self.current == ():
             return self
         return self._replace(current=self.current._replace(periods=(0.0,) * len(self.current.periods)))
@@ -98,13 +98,13 @@ class LiquidFlow(NamedTuple):
 
 
 class OwnShape(NamedTuple):
-    """The constants of a flow that is a function of the user."""
+    """The constants of a user-defined flow."""
 
     constants: tuple[float, ...]
 
 
 class OwnFlow(NamedTuple):
-    """A flow that is a function of the user."""
+    """A user-defined flow."""
 
     loops: Loops
     constants: tuple[float, ...]
@@ -158,7 +158,7 @@ def varying_flow(scene: TracersScene, box: Corners, own: OwnFlow | None = None) 
 
 
 def _shortest_length(flow: FlowSpec, box: Corners) -> float:
-    """The shortest length over which a flow by name may vary (m)."""
+    """The shortest length over which a named flow may vary (m)."""
     corners = (flow.low or box[0], flow.high or box[1])
     sides = [b - a for a, b in (*zip(*box, strict=True), *zip(*corners, strict=True))]
     return min(*sides, *(each for each in (flow.wavelength, flow.radius) if each is not None))
@@ -260,7 +260,7 @@ def _even_points(count: int, dimensions: int) -> Array:
 
 
 def own_velocity(law: Callable[..., Any], dimensions: int) -> Callable[..., Any]:
-    """The velocity function for `flow_loops` of a user's law, law(position, time, constants)."""
+    """The velocity function for `flow_loops` of a user law, law(position, time, constants)."""
     from ecume.models.user_laws import compiled_for_laws
 
     function = compiled_for_laws(law)

@@ -1,7 +1,7 @@
 """Named flows for `flow.name`: each a row with its shape, its velocity, its keys, and its papers.
 
-A shape is a NamedTuple of numbers. Its velocity is a function of the shape, the coordinates x (along), y (across) and z
-(upward) and the time, for compiled code. In 2D the coordinates are x and z, and y is 0.
+A shape is a NamedTuple of numbers. Its velocity is a compiled function of the shape, the coordinates x (along), y
+(across) and z (upward), and the time. In 2D the coordinates are x and z, and y is 0.
 """
 
 from __future__ import annotations
@@ -117,7 +117,7 @@ class Abc(NamedTuple):
 
 
 class Still(NamedTuple):
-    """No flow in addition to the uniform one."""
+    """A flow that adds nothing to the uniform one."""
 
     speed: float
 
@@ -162,7 +162,7 @@ OTHER_VELOCITIES = {Still: still_velocity, PastObstacle: past_obstacle_velocity}
 
 @compiled_inside
 def channel_velocity(shape: Channel, x: float, y: float, z: float, time: float) -> Point:
-    """The velocity of a Poiseuille flow between plates; beyond a wall that of the mirror image."""
+    """The velocity of a Poiseuille flow between plates; behind a wall, that of the mirror image."""
     height = abs(z - shape.bottom)
     height = height if height < shape.width else 2.0 * shape.width - height
     return flows.channel_speed(height, shape.width, shape.speed), 0.0, 0.0
@@ -176,14 +176,14 @@ def couette_velocity(shape: Couette, x: float, y: float, z: float, time: float) 
 
 @compiled_inside
 def tube_velocity(shape: Tube, x: float, y: float, z: float, time: float) -> Point:
-    """The velocity of a Poiseuille flow in a tube; beyond the wall that of the mirror image."""
+    """The velocity of a Poiseuille flow in a tube; behind the wall, that of the mirror image."""
     across, up = y - shape.y, z - shape.z
     return carrier_flows.tube_speed(math.sqrt(across * across + up * up), shape.radius, shape.speed), 0.0, 0.0
 
 
 @compiled_inside
 def duct_velocity(shape: Duct, x: float, y: float, z: float, time: float) -> Point:
-    """The velocity of a flow in a rectangular duct; beyond a wall that of the mirror image."""
+    """The velocity of a flow in a rectangular duct; behind a wall, that of the mirror image."""
     across, up = abs(y - shape.y), abs(z - shape.z)
     across = across if across < 0.5 * shape.width else shape.width - across
     up = up if up < 0.5 * shape.depth else shape.depth - up

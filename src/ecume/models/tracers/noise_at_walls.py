@@ -1,10 +1,10 @@
 """Thermal noise at walls and obstacles.
 
 At a flat wall, or at walls at right angles, drift and noise are reflected together by Lepingle's scheme, exact for a
-constant drift and any time step [lepingle1995]. No such law is known where other walls meet, at curved ones and at the
-edges of obstacles. There a step is a flight with the velocity of drift and noise, which walls mirror. Flights of
-constant speed conserve volume in the space of places and velocities, so that noise alone keeps a density uniform in any
-shape; with a drift a step is accepted with a probability (`acceptance`) that keeps the equilibrium.
+constant drift and any time step [lepingle1995]. No such law is known where walls meet at other angles, at curved walls,
+and at the edges of obstacles. There a step is a flight with the velocity of drift and noise, which walls reflect
+specularly. Flights of constant speed conserve phase-space volume, so that under noise alone a uniform density stays
+uniform in any shape; with a drift a step is accepted with a probability (`acceptance`) that keeps the equilibrium.
 """
 
 from __future__ import annotations
@@ -32,11 +32,11 @@ RIGHT_ANGLE = 1e-9
 @compiled
 def reflect_noise(parameters: Parameters, state: State, scratch: Workspace) -> None:
     """Add the reflection of the noise at walls and obstacles to the velocities (`brownian_motion.reflected_gain`),
-    except where the flight mirrors it (`in_corner`); set the displacement by the drift alone.
+    except for particles whose flight is reflected (`in_corner`); set the displacement by the drift alone.
 
     The random number of a wall is the component along its normal of two random vectors. Perpendicular walls then have
-    independent numbers, which is exact, and nearly parallel walls, such as the facets of a round basin, nearly equal
-    ones, since the same noise leads to both.
+    independent numbers, which is exact. Nearly parallel walls, such as the facets of a round basin, have nearly equal
+    numbers, since the same noise leads to both.
     """
     sheet, h, thermal = parameters.mirroring, parameters.time_step, parameters.fluid.thermal
     kind, number, hole, part = sheet.kind, sheet.number, sheet.hole, sheet.part
@@ -90,11 +90,11 @@ def random_vectors(i: int, step: int, seed: int) -> tuple[Vector, Vector]:
 
 @compiled_inside
 def in_corner(sheet: Sheet, x: Vector, drift: Vector, sizes: tuple[Length, Length]) -> bool:
-    """Whether a step from x may meet walls that are not at right angles, a curved wall, or two faces of an obstacle;
-    drift: the displacement by it (m); sizes = (radius, standard deviation of the noise).
+    """Whether a step from x may meet walls that are not at right angles, a curved wall, or two faces of an obstacle.
+    `drift` is the displacement by the drift (m); sizes = (radius, standard deviation of the noise).
 
-    False beside openings and walls that hold particles, and where a drift toward or from a wall makes a layer that is
-    thinner than the noise: there nothing of the equilibrium is resolved, and most flights would be refused.
+    False next to openings and sticking walls, and where a drift toward or away from a wall makes a layer that is
+    thinner than the noise: the step does not resolve the equilibrium there, and most flights would be rejected.
     """
     radius, spread = sizes
     kind, number, hole = sheet.kind, sheet.number, sheet.hole
@@ -119,7 +119,7 @@ def in_corner(sheet: Sheet, x: Vector, drift: Vector, sizes: tuple[Length, Lengt
 
 @compiled_inside
 def has_hole(hole: Integers, k: int) -> bool:
-    """Whether surface k has an opening or holds particles."""
+    """Whether surface k has an opening or is sticky."""
     found = False
     for m in range(hole.shape[0]):
         found = found or hole[m] == k
@@ -128,19 +128,20 @@ def has_hole(hole: Integers, k: int) -> bool:
 
 @compiled_inside
 def acceptance(drift: Vector, way: Vector, mean: Vector, variance: float) -> float:
-    """The probability to accept a flight that walls mirrored, of Metropolis and Hastings's kind: exp(2 b.(y - x -
-    (v + v') h/2)/s^2), at most 1, with the displacements b h by the drift, y - x of the flight, and (v + v') h/2 by the
-    mean of the velocities at its ends; s^2 is the variance of the noise along an axis.
+    """The Metropolis-Hastings probability of accepting a flight that walls reflected: exp(2 b.(y - x - (v + v')
+    h/2)/s^2), at most 1.
 
-    Flights there and back then are in the ratio exp(b.(y - x)/D) of the equilibrium densities; without collisions, or
-    with a drift along the wall, it is 1.
+    b h is the displacement by the drift, y - x that of the flight, (v + v') h/2 that with the mean of the initial and
+    the final velocity, and s^2 the variance of the noise along an axis. Flights there and back are then in the ratio
+    exp(b.(y - x)/D) of the equilibrium densities. Without collisions, or with a drift along the wall, the probability
+    is 1.
     """
     return math.exp(min(2.0 * dot(drift, axpy(way, -1.0, mean)) / variance, 0.0))
 
 
 @compiled
 def accept_flights(parameters: Parameters, state: State, scratch: Workspace) -> None:
-    """Move particles back whose mirrored flight in a corner is refused (`acceptance`)."""
+    """Return particles to their start if their reflected flight in a corner is rejected (`acceptance`)."""
     h, thermal = parameters.time_step, parameters.fluid.thermal
     for i in range(len(scratch.status)):
         drift = load(scratch.shift, i)

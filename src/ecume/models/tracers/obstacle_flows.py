@@ -69,7 +69,7 @@ class ChannelFlow(NamedTuple):
 
 @compiled_inside
 def obstacle_velocity(shape: ChannelFlow, x: float, y: float, z: float, time: float) -> Point:
-    """The velocity; zero in obstacles, and beyond the sides that at the sides."""
+    """The velocity of the flow, which is zero in obstacles; beyond the sides, the velocity at the sides."""
     x = min(max(x, shape.low[0]), shape.high[0])
     z = min(max(z, shape.low[1]), shape.high[1])
     bins = shape.bins
@@ -102,8 +102,8 @@ def channel_flow(
     periodic: bool = False,
 ) -> Any:
     """The flow between plates at z = low and high around obstacles, with a given mean speed. With `periodic` a pressure
-    gradient drives it, otherwise it enters and leaves as a Poiseuille flow. Raises BadInput for obstacles that are too
-    close to one another or to a side, and without scikit-fem. [scott1985].
+    gradient drives it; otherwise it enters and leaves as a Poiseuille flow. Raises BadInput without scikit-fem, and for
+    obstacles that are too close to each other or to a side. [scott1985].
     """
     return _solved(low, high, outlines, periodic)._replace(speed=speed)
 
@@ -121,7 +121,7 @@ def _solved(
 
 
 def disc_outline(center: tuple[float, ...], radius: float) -> Outline:
-    """The polygon around a disc."""
+    """The polygon circumscribed about a disc."""
     angle = 2.0 * math.pi * (np.arange(ROUND) + 0.5) / ROUND
     far = radius / math.cos(math.pi / ROUND)
     return tuple(
@@ -171,7 +171,7 @@ def _area(outline: Array) -> float:
 
 
 def _segments(outlines: list[Array]) -> Array:
-    """(S, 2, 2) the ends of the edges of closed outlines."""
+    """The ends (S, 2, 2) of the edges of closed outlines."""
     every = [np.stack([each, np.roll(each, -1, axis=0)], axis=1) for each in outlines]
     return np.concatenate(every) if every else np.zeros((0, 2, 2))
 
@@ -209,8 +209,8 @@ def _require_gaps(frame: Array, outlines: list[Array], least: float) -> None:
 
 
 def _divided(outline: Array, longest: float, own: Array, outlines: list[Array]) -> Array:
-    """The outline with further nodes on long edges: at least 24 in all, and closer ones near other outlines and near
-    far shorter edges.
+    """The outline with additional nodes on long edges: at least 24 in all, and closer ones near other outlines and near
+    much shorter edges.
     """
     rest, sides = _segments([each for each in outlines if each is not own]), _segments([outline])
     lengths = np.sqrt(((sides[:, 1] - sides[:, 0]) ** 2).sum(axis=1))
@@ -225,8 +225,8 @@ def _divided(outline: Array, longest: float, own: Array, outlines: list[Array]) 
 
 
 def _graded(side: Array, spacing: float, every: tuple[Array, Array]) -> Array:
-    """Nodes along a side, without its end: at equal distances, but closer near sides with far shorter edges; every =
-    (sides, their spacings).
+    """The nodes along a side, without its end, at equal distances that decrease near sides with much shorter edges;
+    every = (sides, their spacings).
     """
     (a, b), (sides, spacings) = side, every
     short = spacings < SHORT * spacing
@@ -242,7 +242,9 @@ def _graded(side: Array, spacing: float, every: tuple[Array, Array]) -> Array:
 
 
 def _spread(side: Array, along: Array, size: Array, least: int = 1) -> Array:
-    """Nodes along a side, `least` or more without its end, at distances given by `size` at the parts `along` of it."""
+    """The nodes along a side without its end, at least `least`, at distances given by `size` at the fractions `along`
+    of it.
+    """
     a, b = side
     density = float(np.hypot(*(b - a))) / size
     total = np.concatenate([[0.0], np.cumsum(0.5 * (density[1:] + density[:-1]) * np.diff(along))])
@@ -267,8 +269,8 @@ def _size(places: Array, segments: Array, width: float) -> Array:
 
 
 def _border(frame: Array, size: Any, *, periodic: bool) -> Array:
-    """Nodes along the sides of the box (below, right, above, left), at distances given by `size`; with `periodic`,
-    those on the left have the heights of those on the right.
+    """The nodes along the sides of the box (below, right, above, left), at distances given by `size`; with `periodic`,
+    nodes on the left and right have the same heights.
     """
     found = []
     along = np.linspace(0.0, 1.0, SAMPLES)
@@ -283,7 +285,7 @@ def _border(frame: Array, size: Any, *, periodic: bool) -> Array:
 def _inner(
     low: tuple[float, float], high: tuple[float, float], size: Any, walls: Array, outlines: list[Array]
 ) -> Array:
-    """Inner nodes, from hexagonal lattices of several spacings, each where edges have about that length."""
+    """The inner nodes, from hexagonal lattices of several spacings, each used where edges have about its spacing."""
     corners = np.array([low, high], float)
     finest = float(np.sqrt(((walls[:, 1] - walls[:, 0]) ** 2).sum(axis=1)).min())
     found = np.zeros((0, 2))
@@ -310,7 +312,7 @@ def _inner(
 
 
 def _spaced(places: Array, size: Any) -> Array:
-    """The places without those that are too close to an earlier one."""
+    """The positions without those that are too close to an earlier one."""
     from scipy.spatial import cKDTree
 
     if not len(places):
@@ -400,7 +402,7 @@ def _velocities(
         given = given[~((left | right) & inner)]
     else:
         fixed[given] = np.where(along & (left | right), 6.0 * share * (1.0 - share), 0.0)
-    # Values on the right equal those on the left: an unknown stands for both.
+    # Values on the right and left are equal: one unknown represents both.
     unknown = np.setdiff1d(np.unique(source), given)
     copies = np.flatnonzero(np.isin(source, unknown))
     spread = csr_array(

@@ -1,8 +1,8 @@
 """Creeping flow in a duct, or between plates, around obstacles in 3D, solved once by finite elements (scikit-fem).
 
 Velocities are quadratic and pressures linear on tetrahedra [taylor1973], and then made free of divergence everywhere
-(`divergence_free`), so that particles do not cluster. The velocity is zero at walls and obstacles. Spheres are
-polyhedra around them.
+(`divergence_free`), so that particles do not cluster. The velocity is zero at walls and obstacles. Spheres are replaced
+by circumscribed polyhedra.
 """
 
 from __future__ import annotations
@@ -66,7 +66,7 @@ class SolidFlow(NamedTuple):
 
 @compiled_inside
 def solid_obstacle_velocity(shape: SolidFlow, x: float, y: float, z: float, time: float) -> Point:
-    """The velocity; zero in obstacles, and beyond the sides that at the sides."""
+    """The velocity of the flow, which is zero in obstacles; beyond the sides, the velocity at the sides."""
     bins, inverse = shape.bins, shape.inverse
     x = min(max(x, shape.low[0]), shape.high[0])
     y = min(max(y, shape.low[1]), shape.high[1])
@@ -82,7 +82,7 @@ def solid_obstacle_velocity(shape: SolidFlow, x: float, y: float, z: float, time
         c = inverse[t, 9] * dx + inverse[t, 10] * dy + inverse[t, 11] * dz
         rest = 1.0 - a - b - c
         if a >= -1e-12 and b >= -1e-12 and c >= -1e-12 and rest >= -1e-12:
-            # The part whose own corner is the center, away from the smallest coordinate.
+            # In the part with the smallest coordinate, the center takes the place of the corner of that coordinate.
             part, least = 0, rest
             if a < least:
                 part, least = 1, a
@@ -111,10 +111,10 @@ def solid_flow(
     inflow: Inflow,
     periodic: Periodic,
 ) -> Any:
-    """The flow along x in a box around spheres (center, radius) and convex polyhedra (corners), with a mean speed;
-    `periodic`: the axes along which it repeats; along x a pressure gradient drives it then. Raises BadInput where
-    obstacles are too close to one another or to a side, or need too many elements, and without scikit-fem.
-    [taylor1973; zhang2005].
+    """The flow along x, with a mean speed, in a box around spheres (center, radius) and convex polyhedra (corners).
+    `periodic` contains the axes along which the flow repeats; if x is one of them, a pressure gradient drives the flow.
+    Raises BadInput for obstacles that are too close to each other or to a side, or need too many elements, and without
+    scikit-fem. [taylor1973; zhang2005].
     """
     return _solved(low, high, obstacles, inflow, periodic)._replace(speed=speed)
 
@@ -153,7 +153,7 @@ def _solved(
 
 
 def shape_of(solution: Solution, low: Point, high: Point) -> SolidFlow:
-    """The flow of a solution, without divergence."""
+    """The divergence-free flow of a solution."""
     cubic, inverse = divergence_free.without_divergence(solution.mesh, solution.quadratic, solution.pairs)
     corners = solution.mesh.p.T[solution.mesh.t.T]
     bins = bins_of(corners, low, high, 1.5 * len(corners) ** (1.0 / 3.0))
@@ -190,8 +190,8 @@ class Solution(NamedTuple):
 
 
 def solved(mesh: Mesh, box: Box, given_at: Velocities, periodic: Periodic, *, balanced: bool = True) -> Solution:
-    """Solve Stokes's equations with given velocities at obstacles and at sides that are not periodic; `balanced`: those
-    at both ends are scaled to a mean speed of 1. Raises BadInput without scikit-fem.
+    """Solve Stokes's equations with given velocities at obstacles and at sides that are not periodic. If `balanced`,
+    the velocities at both ends are scaled to a mean speed of 1. Raises BadInput without scikit-fem.
     """
     try:
         import skfem
@@ -219,7 +219,7 @@ def _at(places: Array, value: float, box: Box) -> np.ndarray[tuple[int, ...], np
 
 
 def _twins(left: Array, right: Array) -> Integers:
-    """The number of the place on the left that each on the right is."""
+    """The index of the position on the left that corresponds to each one on the right."""
     from scipy.spatial import cKDTree
 
     far, which = cKDTree(left).query(right)
@@ -229,7 +229,7 @@ def _twins(left: Array, right: Array) -> Integers:
 
 
 def _faces_of(grid: Any, box: Box, periodic: Periodic) -> tuple[Integers, Integers]:
-    """The faces on which velocities are given, and the pairs of those on periodic sides."""
+    """The faces on which velocities are given, and the pairs of equivalent faces on periodic sides."""
     border = grid.boundary_facets()
     middle = grid.p[:, grid.facets[:, border]].mean(axis=1)
     kept, pairs = np.ones(len(border), bool), [np.zeros((0, 2), np.int64)]
@@ -244,7 +244,9 @@ def _faces_of(grid: Any, box: Box, periodic: Periodic) -> tuple[Integers, Intege
 
 
 def _copies(places: Array, box: Box, periodic: Periodic) -> Integers:
-    """The number of the node that each node is: those on upper periodic sides are those on lower ones."""
+    """The index of the node that represents each node: nodes on upper periodic sides are represented by those on lower
+    ones.
+    """
     found = np.arange(places.shape[1])
     for axis in range(3):
         if periodic[axis]:
@@ -270,8 +272,8 @@ def _balance(velocity: Array, grid: Any, basis: Any, faces: Integers, box: Box) 
 
 
 def _stokes(basis: Any, velocity: Array, inner: Integers, copies: Integers, box: Box, *, driven: bool) -> Array:
-    """The velocities at all nodes with those given at others than the inner ones; `driven` by a pressure gradient
-    along x, to a mean speed of 1. The pressure is found by conjugate gradients, preconditioned by its mass.
+    """The velocities at all nodes, given at all but the inner ones. If `driven`, a pressure gradient along x drives the
+    flow to a mean speed of 1. The pressure is computed by conjugate gradients, preconditioned with the mass matrix.
     """
     import skfem
     from scipy.sparse.linalg import splu
@@ -293,7 +295,7 @@ def _stokes(basis: Any, velocity: Array, inner: Integers, copies: Integers, box:
     if driven:
         force[:, 0] += spread.T @ push
     found = factors.solve(force)
-    # In a corner of the box all velocities may be given: a pressure there does nothing.
+    # In a corner of the box all velocities may be given, and the pressure there has no effect.
     weights = np.asarray(sum(abs(each) for each in divergence).sum(axis=1)).ravel()
     coupled = np.flatnonzero(weights > 1e-9 * weights.max())
     divergence, mass = [each[coupled] for each in divergence], mass[coupled]
@@ -310,13 +312,13 @@ def _stokes(basis: Any, velocity: Array, inner: Integers, copies: Integers, box:
     found += flow_of(_pressure(right, mass, lambda each: divergence_of(flow_of(each))))
     whole: Array = velocity + spread @ found
     if driven:
-        # Through each section flows the integral of the velocity over the length.
+        # The flux through each section is the integral of the velocity over the volume, divided by the length.
         whole *= float((box[1] - box[0]).prod()) / float(push @ whole[:, 0])
     return whole
 
 
 def _spread(copies: Integers, unknown: Integers, nodes: Integers, count: int) -> Any:
-    """The matrix from unknowns to the nodes that are them."""
+    """The matrix that maps the unknowns to the nodes that they represent."""
     from scipy.sparse import csr_array
 
     entries = (np.ones(len(nodes)), (nodes, np.searchsorted(unknown, copies[nodes])))
@@ -324,7 +326,7 @@ def _spread(copies: Integers, unknown: Integers, nodes: Integers, count: int) ->
 
 
 def _pressure(right: Array, mass: Array, apply: Callable[[Array], Array]) -> Array:
-    """Conjugate gradients, in which a constant pressure does nothing. Raises BadInput where they do not converge."""
+    """The pressure by conjugate gradients, determined up to a constant. Raises BadInput if they do not converge."""
 
     def weighted(residual: Array) -> Array:
         return np.asarray(residual / mass - residual.sum() / mass.sum())

@@ -1,5 +1,4 @@
-"""Particles that enter through openings: their number, times, positions and velocities, computed
-before the run begins.
+"""Particles that enter through openings: their number, times, positions and velocities, computed before the run starts.
 
 Each position and time is a function of the scene's seed, the opening and the number of the particle (Philox), so that
 neither pauses nor threads change them. One particle enters an opening in each interval of 1/rate, at a random time in
@@ -34,7 +33,7 @@ motion uses lower ones.
 
 
 class Stream(NamedTuple):
-    """The flow that carries entering particles."""
+    """The flow that entering particles follow."""
 
     flow: LiquidFlow
     settling: Array
@@ -68,7 +67,7 @@ class Inflow(NamedTuple):
 
 
 def inflow_of(scene: TracersScene, surfaces: Surfaces, stream: Stream) -> Inflow:
-    """All particles that will enter. Raises SceneError for an opening through which none can enter."""
+    """All particles that will enter. Raises SceneError for an opening through which no particle can enter."""
     faults, found, d = list[Fault](), [], scene.dimensions
     for index, hole in enumerate(scene.openings):
         try:
@@ -134,7 +133,7 @@ ROWS = 64
 
 
 def _inner(door: Entrance) -> Array:
-    """Midpoints of equal parts of an opening, over which the mean of a flow is accurate to order 1/ROWS^2."""
+    """The midpoints of equal parts of an opening, over which the mean of a flow is accurate to order 1/ROWS^2."""
     middles = (np.arange(ROWS) + 0.5) / ROWS
     return door.at(_combinations(middles, len(door.half)))
 
@@ -173,7 +172,7 @@ def _places(scene: TracersScene, surfaces: Surfaces, stream: Stream, index: int,
 
 
 def _draws(who: Integers, when: int, key: tuple[int, int]) -> Array:
-    """Random numbers (n, 4) in (0, 1); key = (seed, purpose), which uses two purposes."""
+    """Random numbers (n, 4) in (0, 1); key = (seed, purpose), of which two consecutive purposes are used."""
     drawn = np.empty((len(who), 4))
     draw(who, when, key, drawn)
     return drawn
@@ -189,8 +188,8 @@ def draw(who: Integers, when: int, key: tuple[int, int], drawn: Array) -> None:
 
 
 def arrivals_of(inflow: Inflow, surfaces: Surfaces, radius: Array, time_step: float) -> Arrivals:
-    """Assign entering particles to steps. At the end of its step a particle is where its velocity has taken it, or in
-    the opening if that place is blocked.
+    """Assign entering particles to steps. At the end of this step a particle is at the position that it reaches with
+    its velocity, or in the opening if that position is blocked.
     """
     step = np.maximum(np.ceil(inflow.time / time_step).astype(np.int64), 1)
     advanced = inflow.position + (step * time_step - inflow.time)[:, None] * inflow.velocity

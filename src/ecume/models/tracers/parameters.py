@@ -89,7 +89,7 @@ class Forces(NamedTuple):
 
 
 class Parameters(NamedTuple):
-    """Everything a step needs."""
+    """All constants of a time step."""
 
     time_step: float
     steps_per_frame: int
@@ -119,9 +119,7 @@ class Parameters(NamedTuple):
 
 
 def parameters_of(scene: TracersScene, own: OwnFlow | None = None) -> Parameters:
-    """The parameters of a scene, with an optional flow by a function of the user. Raises SceneError
-    for invalid scenes.
-    """
+    """The parameters of a scene, with an optional user-defined flow. Raises SceneError for invalid scenes."""
     _require_names(scene)
     surfaces, fluid = surfaces_of(scene), fluid_of(scene)
     flow = varying_flow(scene, bounds(scene), own)
@@ -213,7 +211,7 @@ ACCEPTING = 8
 
 
 def forces_of(scene: TracersScene) -> Forces:
-    """The forces of a liquid whose velocity varies."""
+    """The flags of the forces of a liquid whose velocity varies."""
     given = scene.hydrodynamics
     return Forces(float(given.fluid_acceleration), float(given.faxen), float(given.lift))
 
@@ -259,7 +257,7 @@ def fluid_of(scene: TracersScene) -> Fluid:
 
 
 def medium_of(given: FluidSpec) -> tuple[float, float, float]:
-    """Density, viscosity and mean free path of the named liquid or gas; by default about those of water."""
+    """Density, viscosity and mean free path of the named liquid or gas; the default is about that of water."""
     if given.name == AIR:
         density, viscosity = gases.air_density(given.temperature), gases.air_viscosity(given.temperature)
         return density, viscosity, gases.mean_free_path(density, viscosity, gases.ATMOSPHERE)
@@ -271,10 +269,12 @@ AIR = "air"
 
 
 def bodies_of(scene: TracersScene, fluid: Fluid, inflow: Integers) -> Bodies:
-    """Masses, weights, frictions and terminal speeds: species by species, then those of the entering particles."""
+    """Masses, weights, frictions and terminal speeds, species by species, followed by those of the entering
+    particles.
+    """
     counts = [species.count for species in scene.particles]
     kind = np.concatenate([np.repeat(np.arange(len(counts)), counts), inflow])
-    # Once per species if its particles are equal: there may be millions.
+    # Only one evaluation per species if its particles are equal, since there may be millions.
     equal = not any(one.radii or one.sizes for one in scene.particles)
     radius, of = _radii(scene, kind, equal)
     density = np.array([one.density for one in scene.particles])[of]
@@ -318,7 +318,7 @@ def _radii(scene: TracersScene, kind: Integers, equal: bool) -> tuple[Array, Int
 
 
 def settling_speed(scene: TracersScene, fluid: Fluid, grain: tuple[float, float, float]) -> float:
-    """The terminal speed for a radius, density and sphericity (m/s), downwards; infinite without drag."""
+    """The terminal speed (m/s), downwards, for a radius, density and sphericity; infinite without drag."""
     radius, excess = grain[0], grain[1] - fluid.density
     law = DRAGS[scene.hydrodynamics.drag]
     if not law.resists or fluid.viscosity == 0.0:
@@ -366,8 +366,8 @@ def time_step_of(scene: TracersScene, surfaces: Surfaces, fluid: Fluid, bodies: 
 
 
 def crossing_time(scene: TracersScene, fluid: Fluid, bodies: Bodies, scales: FlowScales) -> float:
-    """The shortest time (s) in which a particle may cross a periodic box with obstacles, which have copies in adjacent
-    boxes only; infinite in other scenes.
+    """The shortest time (s) in which a particle may cross a periodic box with obstacles, whose copies exist only in
+    adjacent boxes; infinite in other scenes.
     """
     sides, (low, high) = periodic_of(scene).sides[: scene.dimensions], bounds(scene)
     if not (max(sides) > 0.0 and scene.obstacles):
@@ -395,8 +395,8 @@ def kinds_of(bodies: Bodies) -> set[tuple[float, ...]]:
 
 
 def place_limit(scene: TracersScene, body: tuple[float, float, float, float], fluid: Fluid) -> float:
-    """The longest step where the diffusivity depends on place: settling and diffusion cross a fraction of the length
-    over which it changes, near walls the radius.
+    """The longest step where the diffusivity depends on position: settling and diffusion cross a fraction of the length
+    over which it changes, which near walls is the radius.
     """
     friction, speed, _, radius = body
     mixing, limit = scene.flow.turbulence, math.inf
@@ -429,7 +429,7 @@ def overdamped_step(
     room = float(np.ptp(sizes) if len(sizes) > 1 else np.abs(sizes).sum() or math.inf)
     layer = room
     if fluid.thermal > 0.0 and weight != 0.0:
-        # A sedimentation length below the radius means particles at rest on the floor.
+        # A sedimentation length below the radius means that particles are at rest on the floor.
         layer = min(room, max(radius, brownian_motion.sedimentation_length(fluid.thermal, abs(weight))))
     limit = FINENESS * room / abs(speed) if speed else math.inf
     limit = min(limit, place_limit(scene, body, fluid))
@@ -562,7 +562,9 @@ def faults(scene: TracersScene, parameters: Parameters, state: State) -> list[st
 
 
 def place(parameters: Parameters, state: State, position: Array) -> None:
-    """Set the positions: those beyond the periodic box become those of images inside, with their numbers."""
+    """Set the positions. Positions outside the periodic box are replaced by those of the images inside, with the
+    numbers of the images.
+    """
     d, periodic = position.shape[1], parameters.periodic
     sides = np.array(periodic.sides[:d])
     away = np.floor(np.divide(position - periodic.low[:d], sides, out=np.zeros_like(position), where=sides > 0.0))

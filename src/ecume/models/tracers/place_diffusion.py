@@ -1,9 +1,9 @@
-"""Diffusion and settling where the diffusivity depends on place: drag near walls, and turbulent mixing over height.
+"""Diffusion and settling where the diffusivity depends on position: drag near walls, and turbulent mixing over height.
 
-Along each axis between two walls a step is a Metropolis-adjusted one in a transformed coordinate with uniform noise
-[bourabee2014]. A suspension in equilibrium (well mixed, or with the profile of settling) stays so for any step, since a
-move is accepted with the ratio of the equilibrium densities, and the drift by the gradient of the diffusivity is
-included. Walls reflect: the coordinate continues beyond them, and is folded back.
+Along each axis between two walls a step is Metropolis-adjusted, in a transformed coordinate with uniform noise
+[bourabee2014]. A suspension in equilibrium (well mixed, or with the profile of settling) remains in equilibrium for any
+time step, since a move is accepted with the ratio of the equilibrium densities. The drift by the gradient of the
+diffusivity is included. Walls reflect: the coordinate continues beyond them, and is folded back.
 """
 
 from __future__ import annotations
@@ -51,7 +51,9 @@ class Surroundings(NamedTuple):
 
 @compiled
 def mobility(place: Point, radius: float, axis: int, around: Surroundings, d: int) -> float:
-    """The mobility along an axis, over that far from walls; the additional frictions of the walls are summed."""
+    """The mobility along an axis, relative to that far from walls; the additional frictions of the walls are added
+    up.
+    """
     if around.near_walls == 0:
         return 1.0
     friction = 1.0
@@ -100,8 +102,8 @@ def diffusivity_at(
 
 @compiled_inside
 def folded(u: float, ends: tuple[float, float], angular: bool) -> tuple[float, float]:
-    """The place of a coordinate u that continues beyond both walls, and its derivative. u is a place, or with `angular`
-    the angle of low + (high - low) sin^2(u/2).
+    """The position of a coordinate u that continues beyond both walls, and its derivative. u is a position, or with
+    `angular` the angle in low + (high - low) sin^2(u/2).
     """
     low, width = ends[0], ends[1] - ends[0]
     if angular:
@@ -166,8 +168,8 @@ def drift(
 def log_ratio(
     z: float, other: float, place: Point, axis: int, own: tuple[float, float, float], around: Surroundings, d: int
 ) -> float:
-    """The logarithm of the ratio of equilibrium density times the root of the diffusivity, at another place over the
-    present one.
+    """The logarithm of the equilibrium density times the root of the diffusivity at another position, over this product
+    at the present one.
     """
     total, slope = 0.0, 0.0
     for k in range(3):

@@ -1,4 +1,4 @@
-"""The tracers, as the driver uses them: frames, diagnosis and summary."""
+"""The record of the tracer model: the functions that a run calls."""
 
 from __future__ import annotations
 
@@ -69,18 +69,18 @@ def checked_parameters(scene: TracersScene) -> Parameters:
 
 
 def flow_of(parameters: Parameters) -> LiquidFlow:
-    """The flow in parameters, without its scales of variation, and without a function of the user."""
+    """The flow of the parameters, without its scales of variation; user-defined flows are not included."""
     fluid, current, d = parameters.fluid, parameters.current, parameters.dimensions
     loops = None if current == () or isinstance(current.shape, OwnShape) else loops_for(current, d)
     return LiquidFlow(np.array(fluid.flow), fluid.shear_rate, current, loops)
 
 
 class FlowWarning(UserWarning):
-    """The flow of a scene is not one of an incompressible liquid."""
+    """The flow of a scene is not that of an incompressible liquid."""
 
 
 def observe(parameters: Parameters, state: State, scratch: Workspace) -> Frame:
-    """The frame of this instant. Particles that left remain at their exit, and are ignored in numbers."""
+    """The frame of this instant. Particles that left remain at their exit, and do not contribute to numbers."""
     bodies, inside, there = parameters.bodies, np.flatnonzero(state.left < 0), len(state.left)
     speed = np.sqrt((state.velocity**2).sum(axis=1))
     mass, height = bodies.mass[inside], state.position[inside, -1]
@@ -124,7 +124,7 @@ def observe(parameters: Parameters, state: State, scratch: Workspace) -> Frame:
 
 
 def diagnosis(parameters: Parameters, state: State) -> str:
-    """The particle without a finite position, the time, and the remedy."""
+    """The message on the particle without a finite position, with the time and the remedy."""
     broken = first_broken({"position": _somewhere(state.position), "velocity": _somewhere(state.velocity)})
     worst = int(np.argmax((state.velocity**2).sum(axis=1))) if broken is None else broken.particle
     what = f"is outside, at {state.position[worst].tolist()}"
@@ -142,7 +142,7 @@ def _somewhere(numbers: Array) -> Array:
 
 
 def summary(scene: TracersScene) -> list[tuple[str, str, str]]:
-    """Derived numbers: name, value with unit, remark. Raises SceneError for anything that would prevent a run."""
+    """Derived numbers: name, value with unit, remark. Raises SceneError if the run could not start."""
     return summary_in(scene, checked_parameters(scene), varying_flow(scene, bounds(scene)))
 
 
@@ -160,7 +160,7 @@ def invariants(scene: TracersScene, parameters: Parameters) -> list[Invariant]:
 
 
 def _missing(seen: NumberHistory) -> float:
-    """The number of particles missing from the balance of those at the start, entered, left and present."""
+    """The number of particles missing in the balance of initial, entered, left and present particles."""
     entered_count = _through("entered", seen.now) - _through("entered", seen.first)
     gone = _through("left", seen.now) - _through("left", seen.first)
     held = _deposited(seen.now) - _deposited(seen.first)
@@ -179,7 +179,7 @@ def _deposited(numbers: Numbers) -> float:
 
 
 def laws_of(scene: Any) -> list[Source]:
-    """The laws of drag and diffusion."""
+    """The sources of the laws of drag and diffusion."""
     heat: list[Source] = (
         [brownian_motion.diffusivity, brownian_motion.displacement_variance] if scene.hydrodynamics.brownian else []
     )
@@ -212,7 +212,7 @@ def laws_of(scene: Any) -> list[Source]:
 
 
 def extended(laws: Sequence[BoundLaw]) -> Model:
-    """The tracers with laws of the user."""
+    """The model of tracers with user laws."""
     from ecume.models.tracers import user_laws
 
     return user_laws.extended(TRACERS, laws)

@@ -11,7 +11,7 @@ from ecume.units import Array
 
 
 class Bins(NamedTuple):
-    """Equal boxes, and the elements of the mesh whose own boxes overlap each."""
+    """Bins of equal size, and the elements of the mesh whose bounding boxes overlap each bin."""
 
     step: tuple[float, ...]
     """m: the sides of a bin"""

@@ -1,4 +1,4 @@
-"""The start of tracers: given positions, or random ones in the tank or in a part of it."""
+"""The initial state of tracers: given positions, or random ones in the tank or in a part of it."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ TOGETHER = 1 << 16
 
 
 def start(scene: TracersScene, parameters: Parameters) -> State:
-    """The state at time 0. Raises SceneError for a particle that starts outside of the tank or has no room."""
+    """The state at time 0. Raises SceneError for a particle outside the tank, or without room."""
     surfaces = surfaces_of(scene)
     rng = np.random.default_rng(scene.seed)
     faults: list[Fault] = []
@@ -65,7 +65,9 @@ def velocities(species: ParticleSpec, dimensions: int) -> Array:
 
 
 def outside(placed: Array, species: ParticleSpec, surfaces: Surfaces, at: tuple[int, int]) -> list[Fault]:
-    """A fault for each position that is not in the tank with its radius; `at` is the seed and index of the species."""
+    """A fault for each position at which a particle would overlap a wall or be outside the tank; `at` is the seed and
+    index of the species.
+    """
     seed, index = at
     (clear, which), radius = clearance(placed, surfaces), radii_of(species, species.count, (seed, index))
     return [
@@ -90,7 +92,7 @@ def scattered(
     low, high = (np.array(corner) for corner in corners(species, scene))
     found, room = np.zeros((species.count, scene.dimensions)), largest_radius(species)
     placed, drawn = 0, 0
-    # In parts, since distances from all surfaces take far more memory than positions.
+    # In parts, since the distances from all surfaces take much more memory than positions.
     while drawn < TRIES * 2 * species.count:
         many = min(TOGETHER, 2 * species.count - drawn % (2 * species.count))
         candidates = rng.uniform(low, np.maximum(low, high), (many, scene.dimensions))

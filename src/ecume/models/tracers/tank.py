@@ -39,7 +39,7 @@ def surfaces_of(scene: TracersScene) -> Surfaces:
 
 
 def with_sticking(surfaces: Surfaces, sticking: Array) -> Surfaces:
-    """The surfaces, followed by an opening over the whole of each sticking one."""
+    """The surfaces, with an opening over the whole of each sticking surface appended."""
     held = np.flatnonzero(sticking)
     everywhere = np.full((len(held), surfaces.low.shape[1]), math.inf)
     return surfaces._replace(
@@ -89,7 +89,7 @@ def periodic_of(scene: TracersScene) -> Periodic:
 
 
 def copies_of(scene: TracersScene) -> list[Array]:
-    """The displacements (m) of an obstacle and its copies in adjacent periodic boxes, zero first."""
+    """The displacements (m) of an obstacle and its copies in adjacent periodic boxes; zero comes first."""
     sides = np.array(periodic_of(scene).sides[: scene.dimensions])
     steps = [(0, 1, -1) if side > 0.0 else (0,) for side in sides]
     return [np.array(way) * sides for way in itertools.product(*steps)]
@@ -125,7 +125,7 @@ def coefficients_of(scene: TracersScene) -> Coefficients:
 
 
 def own_or(given: WallSpec | ObstacleSpec, usual: tuple[float, float]) -> tuple[float, float]:
-    """The coefficients of a wall or an obstacle; default: the usual ones."""
+    """The coefficients of a wall or an obstacle; by default the common ones."""
     own = given.restitution, given.tangential_restitution
     normal, tangential = (other if one is None else one for one, other in zip(own, usual, strict=True))
     return normal, tangential

@@ -1,8 +1,9 @@
-"""Tetrahedra that fill a box around convex bodies: Delaunay's, of nodes that are closer together near the bodies.
+"""Tetrahedra that fill a box around convex bodies: a Delaunay triangulation of nodes that are closer together near the
+bodies.
 
-The surfaces of the bodies are kept exactly, as those of the convex hulls of their nodes. Nodes in between are those of
-body-centered lattices, each where edges have about its spacing; they are smoothed, and those of flat tetrahedra are
-moved at random.
+The mesh follows the surfaces of the convex hulls of the nodes of bodies exactly. The nodes between the bodies are those
+of body-centered lattices, each used where edges have about its spacing; they are smoothed, and nodes of flat tetrahedra
+are moved at random.
 """
 
 from __future__ import annotations
@@ -65,20 +66,20 @@ class Body(NamedTuple):
 
 
 class Mesh(NamedTuple):
-    """Nodes, and the four of each tetrahedron."""
+    """The nodes, and the four nodes of each tetrahedron."""
 
     nodes: Array
     tetrahedra: Integers
 
 
 def ball(center: tuple[float, ...], radius: float, edge: float = math.inf) -> Body:
-    """A polyhedron around a sphere, with nodes on Fibonacci's spiral at most about an edge apart."""
+    """A polyhedron circumscribed about a sphere, with nodes on a Fibonacci spiral, at most about an edge apart."""
     count = max(ON_SPHERE, math.ceil(4.0 * math.pi * radius**2 / (0.866 * edge**2)))
     k = np.arange(count) + 0.5
     up, turn = 1.0 - 2.0 * k / count, math.pi * (1.0 + math.sqrt(5.0)) * k
     flat = np.sqrt(1.0 - up * up)
     ways = np.stack([flat * np.cos(turn), flat * np.sin(turn), up], axis=1)
-    # No facet cuts the sphere.
+    # Scaled so that no facet cuts the sphere.
     far = radius / float(_body_of(ways, 1.0).planes[:, 3].max() * -1.0)
     return _body_of(np.array(center) + far * ways, radius * math.sqrt(4.0 * math.pi / (0.866 * count)))
 
@@ -97,7 +98,7 @@ def polyhedron(vertices: Array, edge: float = math.inf) -> Body:
             break
         if len(facets) > 4 * MOST:
             raise BadInput("an obstacle needs too many nodes for the flow around it; expected it thicker")
-        # The longest edge of each is cut, which is the same for both facets that share it.
+        # The longest edge of each facet is divided; it is the same for both facets that share it.
         cut, which, row = facets[long], lengths[long].argmax(axis=1), np.arange(int(long.sum()))
         a, b, c = (cut[row, (which + k) % 3] for k in range(3))
         middle = 0.5 * (a + b)
@@ -115,7 +116,7 @@ def _body_of(nodes: Array, edge: float) -> Body:
 
 
 def gaps_of(bodies: list[Body], low: Array, high: Array) -> list[float]:
-    """The distance of each body from the others and the sides, or less; 0 where they touch."""
+    """A lower bound of the distance of each body from the others and the sides; 0 where they touch."""
     found = []
     for k, body in enumerate(bodies):
         sides = float(np.minimum(body.nodes - low, high - body.nodes).min())
@@ -141,12 +142,12 @@ def mesh_of(low: Array, high: Array, bodies: list[Body], periodic: Periodic) -> 
             "no mesh fits the obstacles; expected them farther apart, or blunter and with fewer faces, such as boxes "
             "and spheres; a flow computed elsewhere is read with flow.field"
         )
-    # In the order in which scikit-fem has the corners of its elements.
+    # scikit-fem requires the corners of an element in ascending order.
     return Mesh(mesh.nodes, np.sort(mesh.tetrahedra, axis=1))
 
 
 def _mesh_of(low: Array, high: Array, bodies: list[Body], periodic: Periodic) -> Mesh:
-    """The same, which may still cut sharp ridges of bodies."""
+    """The mesh without the final check for tetrahedra that cut sharp ridges of bodies."""
     size = _sizes(low, high, bodies, periodic)
     extremes = (min(body.edge for body in bodies), COARSEST * width_of(low, high))
     rng = np.random.default_rng(0)
@@ -258,8 +259,8 @@ body-centered in 3D."""
 
 
 def _lattices(box: Box, size: Sizes, extremes: tuple[float, float], rng: np.random.Generator) -> Array:
-    """Nodes of lattices, each where edges have about its spacing, moved a little so that no five are on one sphere;
-    extremes = the shortest and the longest edge.
+    """The nodes of lattices, each used where edges have about its spacing, and displaced slightly so that no five are
+    on one sphere; extremes = the shortest and the longest edge.
     """
     (low, high), (finest, coarsest) = box, extremes
     cell, base = (np.array(each) for each in LATTICES[len(low)])
@@ -283,7 +284,7 @@ def _lattices(box: Box, size: Sizes, extremes: tuple[float, float], rng: np.rand
 
 
 def _spaced(places: Array, reach: Array, fixed: Array) -> Array:
-    """The places without those that are too close to a fixed or to an earlier one."""
+    """The positions without those that are too close to a fixed or to an earlier one."""
     from scipy.spatial import cKDTree
 
     far = cKDTree(fixed).query(places)[0] > reach
@@ -315,7 +316,7 @@ def _outside(places: Array, bodies: list[Body]) -> Flags:
 
 
 def _filled(nodes: Array, bodies: list[Body], size: Sizes) -> Integers:
-    """Delaunay's tetrahedra between nodes, without those in bodies and without flat ones on their sides."""
+    """The Delaunay tetrahedra between nodes, without those in bodies and without flat ones on the surfaces."""
     from scipy.spatial import Delaunay
 
     found = Delaunay(nodes).simplices.astype(np.int64)
@@ -331,7 +332,7 @@ def volumes(nodes: Array, tetrahedra: Integers) -> Array:
 
 
 def shapes_of(nodes: Array, tetrahedra: Integers) -> Array:
-    """The volume of each over that of a regular tetrahedron with edges of the same mean square."""
+    """The volume of each tetrahedron over that of a regular one with the same mean square of edges."""
     corners = nodes[tetrahedra]
     square = sum(((corners[:, a] - corners[:, b]) ** 2).sum(axis=1) for a, b in itertools.combinations(range(4), 2))
     found: Array = 6.0 * math.sqrt(2.0) * np.abs(volumes(nodes, tetrahedra)) / (square / 6.0) ** 1.5
@@ -339,7 +340,7 @@ def shapes_of(nodes: Array, tetrahedra: Integers) -> Array:
 
 
 def _smoothed(nodes: Array, tetrahedra: Integers, fixed: int) -> Array:
-    """The nodes, each inner one in the middle of its neighbors."""
+    """The nodes, with each inner one moved to the center of its neighbors."""
     total, count = np.zeros_like(nodes), np.zeros(len(nodes))
     for a, b in itertools.permutations(range(4), 2):
         for axis in range(3):

@@ -1,8 +1,8 @@
 """Time integration of tracers.
 
-With inertia, a step is exact without walls, and a parabola between collisions. Without inertia and noise, a step is two
-halves of a drift that stops at walls. With noise it is drift and diffusion together, reflected at walls
-(`noise_at_walls`).
+With inertia, a step is exact without walls, and a parabola between collisions. Without inertia and noise, a step
+consists of two half steps of a drift that stops at walls. With noise, drift and diffusion act together and are
+reflected at walls (`noise_at_walls`).
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ UNBOUNDED = 1e100
 
 @compiled
 def advance(parameters: Parameters, state: State, scratch: Workspace, steps: int) -> int:
-    """Integrate: see `ecume.models.model.Model.advance`."""
+    """Advance by `steps` steps: see `ecume.models.model.Model.advance`."""
     overdamped = parameters.bodies.overdamped
     for _ in range(steps):
         if not all_finite(state.position, state.velocity):
@@ -90,7 +90,7 @@ def select_regime(status: Integers, left: Integers, overdamped: Integers, regime
 
 @compiled
 def all_finite(position: Array, velocity: Array) -> bool:
-    """Whether all positions and velocities are finite and below UNBOUNDED. Positions alone do not show it, since
+    """Whether all positions and velocities are finite and below UNBOUNDED. Positions alone are not sufficient, since
     reflection returns any position to the tank.
     """
     for i in range(position.shape[0]):
@@ -102,8 +102,8 @@ def all_finite(position: Array, velocity: Array) -> bool:
 
 @compiled
 def record_status(state: State, status: Integers) -> bool:
-    """Record particles that left, and truncated flights. Returns False if a position started
-    outside or is not finite.
+    """Record particles that left, and truncated flights. Returns False if a position started outside or is not
+    finite.
     """
     left, tally = state.left, state.tally
     for i in range(status.shape[0]):
@@ -300,8 +300,8 @@ def midway_friction(
 @compiled_inside
 def gains_of(ratio: float, mass: float, thermal: float) -> tuple[float, float, float, float, float]:
     """The gains of velocity and displacement by an acceleration, and the amplitudes of thermal noise: of the velocity
-    (m/s), and of the displacement over the time step (m/s), its part correlated with the velocity and the rest. `ratio`
-    is the time step over the relaxation time.
+    (m/s), and of the displacement over the time step (m/s), in its parts correlated and uncorrelated with the velocity.
+    `ratio` is the time step over the relaxation time.
     """
     gain, way = brownian_motion.velocity_gain(ratio), brownian_motion.displacement_gain(ratio)
     if thermal == 0.0 or ratio == 0.0:
@@ -373,8 +373,8 @@ def finish_step(
     status: Integers,
     time: float,
 ) -> None:
-    """Set the velocities after the flights: the exact velocity for particles without collisions; the others keep
-    theirs, without thermal noise.
+    """Set the velocities after the flights: the exact velocity for particles without collisions; particles with
+    collisions keep their velocity, without thermal noise.
     """
     for i in range(position.shape[0]):
         if status[i] != 0:

@@ -1,7 +1,7 @@
-"""External laws of the user for tracers: accelerations that depend on position, velocity and time.
+"""External user laws for tracers: accelerations that depend on position, velocity and time.
 
-They are evaluated at the midpoint of each step and constant during it, as gravity is; drag is integrated exactly. The
-work of an acceleration a is m a.dx, without thermal displacements; it is injected work.
+User laws are evaluated at the midpoint of each step and constant during it, like gravity; drag is integrated exactly.
+The work of an acceleration a is m a.dx, without thermal displacements; it is injected work.
 """
 
 from __future__ import annotations
@@ -48,7 +48,7 @@ FINE = 1e-6
 
 
 class Tracer(NamedTuple):
-    """The properties of a particle that user-defined laws get, in addition to position, velocity and time."""
+    """The properties of a particle that user laws receive, in addition to position, velocity and time."""
 
     radius: float
     density: float
@@ -75,7 +75,7 @@ def joined(own: Own, constants: Any) -> Tracer:
 
 
 def extended(model: Model, laws: Sequence[BoundLaw]) -> Model:
-    """The tracers with laws of the user: external accelerations, and the flow of the liquid. Raises BadInput for
+    """The model of tracers with user laws: external accelerations, and the flow of the liquid. Raises BadInput for
     unsuitable functions.
     """
     require_kinds("tracers", laws, [EXTERNAL, FLOW])
@@ -89,7 +89,7 @@ def extended(model: Model, laws: Sequence[BoundLaw]) -> Model:
 
 
 def with_flow(model: Model, law: BoundLaw) -> Model:
-    """The tracers in a flow that is a function of the user, law(position, time, constants) -> velocity."""
+    """The model of tracers in a user-defined flow, law(position, time, constants) -> velocity."""
     made: dict[int, OwnFlow] = {}
 
     def own(dimensions: int) -> OwnFlow:
@@ -113,7 +113,7 @@ def with_flow(model: Model, law: BoundLaw) -> Model:
 
 
 def require_velocity(law: BoundLaw, position: tuple[float, ...]) -> None:
-    """Test a flow at one position."""
+    """Evaluate a flow at one position. Raises BadInput for an invalid result."""
     found = called(law, position, 0.0, law.constants)
     good = isinstance(found, tuple) and len(found) == len(position)
     if not good or not all(isinstance(value, float) and math.isfinite(value) for value in found):

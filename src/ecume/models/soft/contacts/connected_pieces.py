@@ -2,7 +2,7 @@
 
 Without drag, the position of a sphere without films (a rattler) is undetermined, and so is that of spheres that are
 connected only with one another. If no force acts on such a piece, it moves with the box: its first sphere is anchored.
-Forces on the piece balance, so that the force of the anchor is zero.
+The forces on the piece balance, so that the anchor exerts no force.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ UNBALANCED = 1e-9
 
 
 def pieces(pair: Integers, touching: Integers) -> Integers:
-    """The connected piece of the contact graph that each sphere belongs to; the last entry is that of the walls, if
+    """The connected piece of the contact graph to which each sphere belongs; the last entry is that of the walls, if
     any.
 
     Spheres are connected by pairs (C, 2) and by the walls that they touch (N, walls).
@@ -36,8 +36,8 @@ def pieces(pair: Integers, touching: Integers) -> Integers:
 
 
 def loose_spheres(parameters: Parameters, pair: Integers, touching: Integers) -> tuple[Integers, Integers]:
-    """The first sphere of each piece that neither walls nor drag hold, and those of them on whose
-    piece a force acts.
+    """The first sphere of each piece that neither walls nor drag hold, and which of these belong to pieces on which a
+    force acts.
 
     If all spheres are one piece, none is returned: then only their common translation is undetermined.
     """

@@ -119,7 +119,7 @@ class Film(NamedTuple):
 
 @compiled_inside
 def fading(gap: float, contacts: Contacts) -> tuple[float, float]:
-    """The fraction of its friction that a film still has, and the derivative of its logarithm by ln(gap)."""
+    """The factor by which the friction of a film has faded, and the derivative of its logarithm by ln(gap)."""
     if gap <= contacts.fade_from:
         return 1.0, 0.0
     u = min((gap - contacts.fade_from) / (contacts.fade_to - contacts.fade_from), 1.0)
@@ -311,8 +311,8 @@ def tangent(film: Film, dq: float, turn: float, dpull: float, dshear: float) -> 
 
 @compiled_inside
 def solve_contact(film: Film, span: float, lean: float, opening: float, sliding: float) -> tuple[float, float]:
-    """The changes (dq, turn) that solve the linearized equations of a contact with these residuals, over a time span of
-    the stage.
+    """The changes (dq, turn) that solve the linearized equations of a contact with these residuals, for the time span
+    of the stage.
     """
     opening_q, sliding_q, _, _ = tangent(film, 1.0, 0.0, 0.0, 0.0)
     opening_t, sliding_t, _, _ = tangent(film, 0.0, 1.0, 0.0, 0.0)

@@ -1,4 +1,4 @@
-"""The list of contacts: which pairs of spheres, and of spheres and walls, have a film.
+"""The list of contacts: the pairs of spheres, and of spheres and walls, that have a film.
 
 `tree_search` finds the neighbors of few spheres, `neighbor_search` those of many.
 """
@@ -26,7 +26,7 @@ KEEPS_SCENE_ORDER = 36
 
 def update_contact_list(parameters: Parameters, state: State, opened: PairList | None = None) -> bool:
     """Open and close contacts at the present positions. Returns whether any changed. `opened` are the new pairs, if
-    they are known already.
+    they are already known.
     """
     if np.isinf(parameters.contacts.fade_to):
         return False
@@ -57,7 +57,7 @@ def new_pairs(parameters: Parameters, position: Array, box: Box, known: tuple[In
 
 @compiled
 def remove_known(found: Integers, known: Integers, fresh: NDArray[np.bool_]) -> None:
-    """Mark the rows that are also in `known` as not new; both lists are in the same order and without repetition."""
+    """Mark the rows that are also in `known` as not new; both lists are sorted and have no repetitions."""
     k = 0
     for row in range(len(found)):
         while k < len(known) and comes_before(known, k, found, row):
@@ -76,7 +76,7 @@ def comes_before(rows: Integers, row: int, others: Integers, other: int) -> bool
 
 @compiled
 def merged_order(rows: Integers, here: int) -> Integers:
-    """The order that sorts an array of two sorted parts; the first part has `here` rows."""
+    """The order that sorts an array which consists of two sorted parts; the first part has `here` rows."""
     order = np.zeros(len(rows), np.int64)
     old, new = 0, here
     for place in range(len(rows)):
@@ -103,7 +103,7 @@ def open_all(parameters: Parameters, state: State) -> None:
 
 
 def glue_spheres(parameters: Parameters, state: State) -> None:
-    """Glue spheres to their walls where they are."""
+    """Glue spheres to their walls at their present positions."""
     sphere, wall = np.nonzero(parameters.walls.glue)
     away = state.wall[wall, : state.position.shape[1]] - state.position[sphere]
     state.touching[sphere, wall] = 1
@@ -144,7 +144,7 @@ def wall_gaps(parameters: Parameters, position: Array, wall: Array) -> Array:
 
 
 def _open(parameters: Parameters, state: State, found: PairList) -> None:
-    """Add contacts without a force, whose gap vectors are along the lines of centers, and sort all contacts."""
+    """Add contacts without a force, with gap vectors along the lines of centers, and sort all contacts."""
     pair, image, between = found
     here = int(state.contacts[0])
     total = here + len(pair)
@@ -166,7 +166,7 @@ def _open(parameters: Parameters, state: State, found: PairList) -> None:
 
 
 def _kept(parameters: Parameters, state: State) -> NDArray[np.bool_]:
-    """Flags of contacts that have not faded."""
+    """Flags of the contacts whose films have not faded."""
     return np.asarray(state.log_gap[: state.contacts[0]] < log(parameters.contacts.fade_to))
 
 

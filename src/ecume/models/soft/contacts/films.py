@@ -1,7 +1,8 @@
 """The linear response of all contacts to displacements of the spheres within one step.
 
-Over a stage of an implicit step, (q, n) = start + dt f(q, n, X) is linearized and solved contact by contact
-(`contact`). Substituted into the forces, it leaves a linear system in the displacements of the spheres alone.
+Over a stage of an implicit step, (q, n) = start + dt f(q, n, X) is linearized and solved for each contact separately
+(`contact`). Substituting the solutions into the forces leaves a linear system in the displacements of the spheres
+alone.
 """
 
 from __future__ import annotations
@@ -161,7 +162,9 @@ def store_forces(linear: LinearContact, frame: Frame, c: int, to: tuple[Array, A
 
 @compiled_inside
 def store_motion(linear: LinearContact, frames: tuple[Frame, Frame], c: int, to: tuple[Array, Array, Array]) -> None:
-    """Store the changes and rates of a contact's ln(gap) and direction in the frame that rotates with the pair."""
+    """Store the changes and rates of ln(gap) and of the direction of a contact, in the frame that rotates with the
+    pair.
+    """
     shift, response, slope = to
     _, t, s = frames[0]
     n_seen, t_seen, s_seen = frames[1]

@@ -21,8 +21,8 @@ def search(
 ) -> tuple[Integers, Integers, Array]:
     """All pairs whose gap is below the reach: pairs, images, and the vectors between the centers.
 
-    `copies` contains positions, owners and images, first those of the spheres in the box; `away` is the image in which
-    each sphere is.
+    `copies` contains positions, owners and images; those of the spheres in the box come first. `away` is the periodic
+    image in which each sphere is.
     """
     place = copies[0]
     count, dimensions = away.shape
@@ -56,7 +56,7 @@ def fill_rows(
     near: tuple[Array, float],
 ) -> None:
     """Write the neighbors of each sphere among all copies, in order. If a row is too short, only the number of
-    neighbors is right.
+    neighbors is valid.
     """
     place, owner, copy = copies
     radius, reach = near
@@ -88,7 +88,7 @@ def fill_rows(
 
 @compiled_inside
 def is_ahead(copy: Integers, p: int) -> bool:
-    """Whether the first nonzero component of an image is positive; of an image and its opposite, one is kept."""
+    """Whether the first nonzero component of an image is positive; only one of two opposite images is kept."""
     for k in range(copy.shape[1]):
         if copy[p, k] != 0:
             return bool(copy[p, k] > 0)
@@ -107,8 +107,8 @@ def insert(row: Integers, found: int, p: int, names: tuple[Integers, Integers]) 
 
 @compiled_inside
 def precedes(p: int, q: int, names: tuple[Integers, Integers]) -> bool:
-    """Whether one copy precedes another in the order of owners and images. The shift that all copies of an owner have
-    in common does not change the order.
+    """Whether one copy precedes another in the order of owners and images. A shift that all copies of an owner have in
+    common does not change the order.
     """
     owner, copy = names
     if owner[p] != owner[q]:
@@ -173,7 +173,7 @@ def periodic_copies(
 
 @compiled_inside
 def shifted(places: Array, sides: Array, shift: tuple[Integers, float], i: int, axis: int) -> float:
-    """A coordinate of a copy."""
+    """One coordinate of a shifted copy."""
     along = places[i, axis] + shift[0][axis] * sides[axis]
     return float(along + shift[1] if axis == 0 else along)
 

@@ -2,8 +2,8 @@
 
 The rotation of a sphere since the start of the step is stored as the displacement of its equator, sigma = R theta (m),
 and a torque as a force at the equator, T/R: all unknowns are lengths, and all residuals forces. The contact divides
-X_ij into the arms R_i/(R_i + R_j) X_ij and R_j/(R_i + R_j) X_ij. The pair rotates by (sigma_i + sigma_j)/(R_i + R_j),
-and the gap vector with it. Both spheres get the torque e x F at their equators, e = X_ij/(R_i + R_j): total force and
+X_ij into the arms R_i/(R_i + R_j) X_ij and R_j/(R_i + R_j) X_ij. The pair and its gap vector rotate by (sigma_i +
+sigma_j)/(R_i + R_j). The torque on both spheres at their equators is e x F with e = X_ij/(R_i + R_j): total force and
 total torque are zero.
 """
 
@@ -63,7 +63,7 @@ def axial(rows: Array, i: int) -> Vector:
 
 @compiled
 def turn_pairs(pairs: Pairs, turn: Array) -> None:
-    """Compute the rotation of each pair from those of its spheres."""
+    """Compute the rotation of each pair from the rotations of its spheres."""
     to = pairs.turn
     for c in range(len(to)):
         a, b = axial(turn, pairs.first[c]), axial(turn, pairs.second[c])
@@ -107,7 +107,7 @@ def add_torques(pairs: Pairs, responses: ContactResponses, position: Array, righ
 @compiled
 def load_torques(spins: Spins, right: Array, factor: float, during: tuple[float, float]) -> None:
     """Write external torques and the drag on spins into the last columns of `right`. `during` is the time span of the
-    stage, and the rotation of the liquid in it about z.
+    stage, and the rotation of the liquid about z during it.
     """
     span, swirl = during
     width = spins.turn.shape[1]
@@ -155,7 +155,7 @@ def row_times(matrix: Array, row: int, vector: Vector) -> float:
 
 @compiled_inside
 def store_pair_blocks(pair_blocks: Array, stiffness: Array, by_spin: Array, torque_by: Array) -> None:
-    """Store all blocks of a pair except spin by spin: forces on the two spheres, and the effects of their
+    """Store all blocks of a pair except spin by spin. Forces on the two spheres, and the effects of their
     displacements, have opposite signs; torques and spins have equal signs.
     """
     d = 2 if pair_blocks.shape[1] == 3 else 3
@@ -173,8 +173,8 @@ def store_pair_blocks(pair_blocks: Array, stiffness: Array, by_spin: Array, torq
 
 @compiled
 def regularize_spins(matrix: Matrix, spins: Spins, free: bool) -> None:
-    """Make the matrix of spins regular. If the spheres are `free` to rotate together, the first sphere gets a
-    resistance, which `remove_free_rotation` compensates.
+    """Make the matrix of spins regular. If all spheres are `free` to rotate together, a resistance is added to the
+    first sphere, for which `remove_free_rotation` compensates.
     """
     own, blocks = matrix.pattern.diagonal, matrix.blocks
     begin = blocks.shape[1] - spins.turn.shape[1]
@@ -200,8 +200,8 @@ def carry(turn: Array, direction: Array) -> None:
 
 
 def make_spins(radius: Array, resistance: tuple[Array, Array], torque: Array, shape: tuple[int, int, int]) -> Spins:
-    """Spins at the start of a step; `resistance` is drag, and glue that holds them; `shape` contains the numbers of
-    stages, of contacts, and of unknowns per sphere.
+    """Spins at the start of a step. `resistance` consists of drag and of glue; `shape` contains the numbers of stages,
+    of contacts, and of unknowns per sphere.
     """
     stages, contacts, width = shape
     count, spin = torque.shape
@@ -239,7 +239,9 @@ SINGULAR = 1e-6
 
 @compiled
 def fill_rotation_sides(matrix: Matrix, spins: Spins, right: Array) -> None:
-    """Fill the right sides after the first: torques on the first sphere that rotate all spheres by about one radian."""
+    """Fill the right-hand sides after the first one with torques on the first sphere that rotate all spheres by about
+    one radian.
+    """
     block, begin = matrix.blocks[matrix.pattern.diagonal[0]], matrix.blocks.shape[1] - spins.turn.shape[1]
     for k in range(spins.turn.shape[1]):
         for i in range(right.shape[1]):
@@ -253,9 +255,9 @@ def remove_free_rotation(position: Array, spins: Spins, changes: Array, pull: tu
     """Add a rotation of all spheres to Newton's step so that the total moment of external forces is zero. Where these
     forces do not resist a rotation, the mean spin becomes zero instead.
 
-    The rotations are the solutions for the sides of `fill_rotation_sides`. `pull` contains the forces proportional to
-    the load, the constant forces, and the load. The matrix holds the first sphere: the remaining moment acts on it,
-    since contacts have no total moment.
+    The rotations are the solutions for the right-hand sides of `fill_rotation_sides`. `pull` contains the forces
+    proportional to the load, the constant forces, and the load. The matrix has a resistance at the first sphere: the
+    remaining moment acts there, since contacts have no total moment.
     """
     whole, columns, to_mean, to_moment = np.zeros((3, 3)), np.zeros((3, 3)), np.zeros(3), np.zeros(3)
     moment, size = moment_of(position, spins, changes[0], pull)
@@ -318,7 +320,7 @@ def total_torque(spins: Spins, load: float) -> Array:
 
 @compiled
 def least_squares(matrix: Array, right: Array, otherwise: Array) -> Array:
-    """The least-squares solution of three equations by normal equations; undetermined components keep the values in
+    """The least-squares solution of three equations by normal equations; undetermined components have the values in
     `otherwise`.
     """
     rows, solution = np.zeros((3, 4)), np.zeros(3)

@@ -22,7 +22,7 @@ PairList = tuple[Integers, Integers, Array]
 def neighbors(parameters: Parameters, position: Array, box: Box) -> PairList:
     """All pairs whose gap without deflection is below the reach, in order, including periodic images.
 
-    A pair with a periodic image is found twice; the one whose first sphere is in the box is kept.
+    A pair with a periodic image is found twice; only the pair whose first sphere is in the box is kept.
     """
     radius = parameters.radius
     far = 2.0 * float(radius.max()) + parameters.contacts.fade_from
@@ -94,7 +94,7 @@ def _shifts(box: Box, dimensions: int) -> tuple[Integers, Array]:
         move = np.array(shift) - 1
         if not move.any() or move[box.sides == 0.0].any():
             continue
-        # Above and below, the tilt moves the images; these are the three closest to the box.
+        # Above and below, the tilt displaces the images; these are the three closest to the box.
         if box.tilt != 0.0:
             move[0] -= round(box.tilt * move[1] / box.sides[0])
         moves.append(move)
@@ -103,7 +103,7 @@ def _shifts(box: Box, dimensions: int) -> tuple[Integers, Array]:
 
 
 def _negative(image: Integers) -> NDArray[np.bool_]:
-    """Whether the first nonzero component is negative; of an image and its opposite, one is kept."""
+    """Whether the first nonzero component is negative; only one of two opposite images is kept."""
     first = np.argmax(image != 0, axis=1)
     return np.asarray(image[np.arange(len(image)), first] < 0)
 

@@ -1,9 +1,9 @@
 """Forces of user laws between the surfaces of two spheres, from tables over ln(gap) made at the start.
 
 The table of a pair of species holds g = h F(h) at evenly spaced ln(h), as cubic Hermite splines. The slope and the
-energy are those of the spline, so that the force is exactly minus the gradient of the energy. Smooth laws are met to
-about 1e-9; a jump is smoothed over two intervals, less than a percent of the gap. Beyond its ends a table continues
-with a constant force.
+energy are those of the spline, so that the force is exactly minus the gradient of the energy. Smooth laws are
+represented to about 1e-9; a jump is smoothed over two intervals, less than a percent of the gap. Beyond its ends a
+table continues with a constant force.
 """
 
 from __future__ import annotations
@@ -51,7 +51,7 @@ def across(tables: Tables | tuple[()], species: Array, pair: Integers) -> Across
 
 
 def log_gaps(ends: Array, beyond: int = 0) -> Array:
-    """The nodes of tables, with `beyond` further nodes at both ends."""
+    """The nodes of tables, with `beyond` more nodes at both ends."""
     return np.asarray(ends[0] + ends[1] * np.arange(-beyond, INTERVALS + 1 + beyond))
 
 

@@ -1,12 +1,12 @@
 """Plane walls: their motion, and the contacts of spheres with them.
 
-A wall is the limit of a sphere with infinite radius: R* = R, and its normal never rotates. A contact with it is film
-and surface in series as between spheres, but the gap vector slips along the wall instead of rotating. Normals point
-from the spheres to the wall; distances and slips are those of the wall relative to the sphere. The position of a wall
-on which a force acts is an unknown of each stage, like the strain of a stress-controlled box.
+A wall is the limit of a sphere with infinite radius: R* = R, and its normal never rotates. A contact with a wall
+consists of film and surface in series as between spheres, but the gap vector slips along the wall instead of rotating.
+Normals point from the spheres to the wall; distances and slips are those of the wall relative to the sphere. The
+position of a wall on which a force acts is an unknown of each stage, like the strain of a stress-controlled box.
 
-Spheres that are glued to a wall make it rough. In place of film and surface they have a linear spring, which keeps
-the vector to the wall: `glue`.
+Spheres that are glued to a wall make it rough. Instead of film and surface they have a linear spring (`glue`), which
+opposes changes of the vector to the wall.
 """
 
 from __future__ import annotations
@@ -200,7 +200,7 @@ def wall_response(walls: Walls, contacts: Contacts, position: Array, turn: Array
 
 @compiled_inside
 def store_glue_response(touches: Touches, apart: Vector, c: int) -> None:
-    """Store the force of the glue, by the displacement of the wall from its place relative to the sphere."""
+    """Store the force of the glue for the displacement of the wall from its initial position relative to the sphere."""
     stiffness, shift, now = touches.glue[c], touches.shift, touches.now
     for k in range(3):
         touches.force[c, k] = stiffness * (apart[0] if k == 0 else apart[1] if k == 1 else apart[2])
@@ -476,8 +476,8 @@ def column_of_wall(walls: Walls, to: tuple[Array, Array], unknown: int, dimensio
 
 @compiled_inside
 def target_force(places: Places, unknown: int, load: tuple[float, float]) -> float:
-    """The force on a movable wall (N), as prescribed and of permeating liquid, that the spheres balance; the factor of
-    wall shear applies to its tangential components.
+    """The prescribed force on a movable wall (N), including that of permeating liquid, which the spheres balance; the
+    factor of wall shear applies to its tangential components.
     """
     wall, axis = places.free[unknown]
     along = 1.0 if places.normal[wall, axis] != 0.0 else load[1]

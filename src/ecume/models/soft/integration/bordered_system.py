@@ -3,8 +3,8 @@ a stage.
 
 An unknown of the box displaces the spheres by a gradient, K x, in addition to their own displacements. Its row is the
 virtual work of the contact forces, the sum of F_ij (K X_ij), which must equal volume times stress; its column is the
-change of the forces. The matrix of the spheres is solved for the residual forces and for each column, which leaves a
-system of one or two unknowns.
+change of the forces. Solving the matrix of the spheres for the residual forces and for each column leaves a system of
+one or two unknowns.
 """
 
 from __future__ import annotations
@@ -138,8 +138,8 @@ def fill_border(cell: Cell, network: ContactNetwork, goal: StageTarget, borders:
 def add_drag(cell: Cell, dragged: DragTerms, goal: StageTarget, column: Array, unknown: int) -> None:
     """Add the change of the drag forces to the column of an unknown.
 
-    Spheres move with its gradient K, and the flow A of the liquid changes by dA, so that the force on a sphere changes
-    by zeta (dA x + A K x - K x)/span. The torque follows from half of the vorticity.
+    Spheres move with the gradient K of the unknown, and the flow A of the liquid changes by dA, so that the force on a
+    sphere changes by zeta (dA x + A K x - K x)/span. The torque follows from half of the vorticity.
     """
     by, along = gradient_of(cell, unknown, goal, False), flow_gradient(cell)
     change = by.copy()
@@ -220,7 +220,7 @@ def fill_wall_borders(walls: Walls, load: tuple[float, float], borders: Borders,
 
 
 def border_solution(borders: Borders, count: int) -> Array | None:
-    """The changes of the unknowns; the solutions of all right-hand sides are combined with them. None for a singular
+    """The changes of the unknowns, after combining the solutions of all right-hand sides; None for a singular
     system.
     """
     by = borders.change.reshape(len(borders.change), -1)

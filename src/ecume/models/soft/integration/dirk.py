@@ -52,7 +52,7 @@ a step.
 
 @composed
 def begin_stage(step: Step, scheme: Scheme, stage: int, time_step: float) -> None:
-    """Set the start of a stage, from the start of the step and the slopes of the stages before."""
+    """Set the start of a stage, from the start of the step and the slopes of the previous stages."""
     films, bodies, spins, row = step.films, step.bodies, step.spins, scheme.rows[stage, :stage]
     begin_contacts(films.log_gap_start, step.log_gap, films.direction_start, step.direction, step.slope, row, time_step)
     begin_motion(bodies.start, bodies.slope, bodies.drag, row, time_step)
@@ -98,7 +98,9 @@ def begin_motion(start: Array, slope: Array, drag: Array, row: Array, time_step:
 
 @composed
 def end_stage(step: Step, goal: StageTarget, stage: int) -> None:
-    """Compute the slopes of a solved stage from its difference to its start, which does not amplify rounding errors."""
+    """Compute the slopes of a solved stage from its difference to its start, a form that does not amplify rounding
+    errors.
+    """
     films, bodies, spins, span = step.films, step.bodies, step.spins, goal.span
     end_cell(step.cell, goal, stage)
     end_walls(step.walls, stage, span)
@@ -241,8 +243,8 @@ def try_step(newton: Callable[..., bool], contacts: Contacts, step: Step, scheme
 
 @compiled
 def step_dense(contacts: Contacts, step: Step, scheme: Scheme, during: StepRequest, task: int) -> float:
-    """Perform any task for few spheres: BEGIN, BALANCE over a time `during.length`, or STEP. Three functions would each
-    take as long to compile as this one.
+    """Perform any task for few spheres: BEGIN, BALANCE over a time `during.length`, or STEP. Each of three separate
+    functions would take as long to compile as this one.
     """
     origin = drive_of(during.drives[0])
     first_stage(contacts, step, origin)

@@ -42,7 +42,7 @@ def _scheme(rows: list[list[float]], diagonal: float, embedded: list[float], ord
         lower[stage, : len(row)] = row
     whole = lower + diagonal * np.diag([0.0] + [1.0] * (count - 1))
     times, pair = whole.sum(axis=1), (whole[-1], np.array(embedded))
-    # Of the two, the more accurate one integrates quadratics and cubics with the smaller error.
+    # Of the two solutions, use the one with the smaller error for quadratics and cubics.
     mean = min(pair, key=lambda weights: abs(weights @ times**3 - 1 / 4) + abs(weights @ times**2 - 1 / 3))
     return Scheme(lower, diagonal, times, pair[0] - pair[1], np.array([pair[0], mean]), order)
 

@@ -37,7 +37,7 @@ Stepper = Callable[[Contacts, Step, Scheme, StepRequest, int], float]
 
 def solver_names(parameters: Parameters, kept: Kept, effort: Integers) -> tuple[str, ...]:
     """The solvers to try, in order. They follow from the number of unknowns, the pattern and the state, so that a
-    resumed run chooses the same.
+    resumed run chooses the same ones.
 
     The iterative solver breaks down where the matrix is not positive definite, mostly because the step is too long.
     Where it also breaks down in shorter steps, a factorization replaces it until it succeeds again.
@@ -80,7 +80,7 @@ def attempt(parameters: Parameters, scratch: Workspace, during: StepRequest, rul
 
 
 def balance(parameters: Parameters, scratch: Workspace, at: tuple[Drive, Drive, Rules], effort: Integers) -> bool:
-    """Move spheres and box to the balance of forces and stresses at constant gaps. Returns False without a balance.
+    """Move spheres and box at constant gaps until forces and stresses balance. Returns False if no balance is found.
     `at` contains the drive before, the drive now, and the components that stresses control.
 
     Spheres with drag move with the box.

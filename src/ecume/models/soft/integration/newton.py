@@ -160,7 +160,7 @@ def set_external_forces(
             for m in range(dimensions):
                 carried += along[k, m] * position[i, m]
             right[i, k] -= drag[i] * (moved[i, k] - carried) / span
-            # The rounding error is that of the strain of the box, not that of its change.
+            # The rounding error of the strain term is that of the strain of the box, not that of its change.
             size = max(abs(moved[i, k]), abs(carried), strain * abs(position[i, k]))
             stiffest = max(stiffest, drag[i] / span * size)
     return largest, stiffest
@@ -175,7 +175,7 @@ def add_contact_forces(
     corrected: float,
 ) -> tuple[float, float]:
     """Add the forces of the contacts of a sphere, in their order. Returns the largest force, and the largest product of
-    stiffness and coordinate, of the contacts in which the sphere is the first.
+    stiffness and coordinate, of the contacts whose first sphere it is.
     """
     ((first_link, link), (second, radius_sum, offset)), (force, correction, stiffness) = network, reactions
     position, right = bodies
@@ -212,7 +212,9 @@ def assemble_jacobian(step: Step, span: float) -> None:
 
 @compiled
 def set_diagonal(bodies: Bodies, spins: Spins, span: float) -> None:
-    """Set the diagonal of the matrix to the drag of the liquid, the anchors of free pieces, and what glue holds."""
+    """Set the diagonal of the matrix to the drag of the liquid, the anchors of free pieces, and the stiffness of
+    glue.
+    """
     dimensions = bodies.position.shape[1]
     for i in range(len(bodies.drag)):
         for k in range(bodies.diagonal.shape[1]):
@@ -401,8 +403,8 @@ def newton_dense(contacts: Contacts, step: Step, goal: StageTarget) -> bool:
 
 
 def newton_many(solve: Solve, contacts: Contacts, step: Step, goal: StageTarget) -> bool:
-    """Solve a stage of many spheres. Each loop over them is compiled separately: one function for all took ten times as
-    long, since references to arrays in tuples are then counted in the inner loops.
+    """Solve a stage of many spheres. Each loop over them is compiled separately: a single function for all took ten
+    times as long, since references to arrays in tuples are then counted in the inner loops.
     """
     return plainly(newton_with)(partial(solve_plain, solve), zero_residual, contacts, step, goal)
 
@@ -416,7 +418,7 @@ def balance_borders(contacts: Contacts, step: Step, goal: StageTarget) -> bool:
     """Balance the stresses of the box or the forces on walls in zero time.
 
     Drag prevents any motion of the spheres relative to the liquid: they move with the box, and spin with half of its
-    vorticity. The residual forces move them in the steps that follow.
+    vorticity. The residual forces move them in the next steps.
     """
     apply_drive(step, goal)
     bodies, spins, change, last = step.bodies, step.spins, step.borders.change, math.inf

@@ -1,6 +1,6 @@
 """The length of time steps: attempts until the error is small enough, then a PI controller.
 
-Python runs these functions as they are; pages have them compiled. See `web/wasm`.
+These functions are plain Python here; for pages they are compiled. See `web/wasm`.
 """
 
 from __future__ import annotations
@@ -95,8 +95,8 @@ def shortened_until_exact(
     control: Control,
     now: Pace,
 ) -> Accepted:
-    """Repeat a step with shorter time steps until its error is small enough: `attempt(given, length, end)` is the
-    error, and `shortening(given)` the factor of the length of a step that must be repeated nevertheless, otherwise 1.
+    """Repeat a step with shorter time steps until its error is small enough. `attempt(given, length, end)` returns the
+    error; `shortening(given)` returns 1, or the factor of the length if the step must be repeated for another reason.
     """
     pace, tally, order = now.pace, now.tally, control.scheme.order
     for _ in range(MOST_TRIES):
@@ -133,7 +133,7 @@ def go_to_end(control: Control, now: Pace, step: Accepted) -> None:
 
 
 def drives_of(control: Control, start: float, length: float, end: float) -> Array:
-    """The imposed values at each stage of a step; at its end the values before a jump there."""
+    """The imposed values at each stage of a step; if the protocol jumps at its end, those before the jump."""
     times, interval = control.scheme.times, interval_at(control.protocol, start)
     found = np.empty((len(times), IMPOSED))
     for stage in range(len(times)):
@@ -151,12 +151,12 @@ def work_scale(parameters: Parameters) -> tuple[float, float]:
 
 
 def missing_work(line: Array, grown: float, spent: float, scale: tuple[float, float]) -> float:
-    """The residual of the energy budget of a step, over its limit: injected work, less what films and drag dissipated,
-    the work on sizes and the growth of what is stored. `spent` is what the run has dissipated, with the stake of the
-    step; `scale` is that of `work_scale`.
+    """The residual of the energy budget of a step over its limit: injected work minus the dissipation by films and
+    drag, the work on sizes and the increase of stored energy. `spent` is the energy that the run has dissipated, with
+    the stake of the step; `scale` is that of `work_scale`.
 
-    Where a film has just opened, or a load has begun, forces relax in a time far below that in which gaps change. Gaps
-    are then exact to the tolerance while the power at the stages is not that of the step.
+    After a film has opened, or a load has started, forces relax much faster than gaps change. Gaps are then exact to
+    the tolerance, but the power at the stages does not represent that of the step.
     """
     dissipated = line[FILMS] + line[DRAG]
     missing = abs(line[INJECTED] - dissipated - line[SIZE] - grown)
@@ -167,7 +167,7 @@ def missing_work(line: Array, grown: float, spent: float, scale: tuple[float, fl
 
 
 def for_work(excess: float) -> float:
-    """The factor of the length of a step whose budget misses this much, over its limit."""
+    """The factor by which a step is shortened if the residual of its energy budget, over its limit, is `excess`."""
     return min(max(SAFETY / excess, SHRINK_FOR_WORK[0]), SHRINK_FOR_WORK[1])
 
 
@@ -184,7 +184,7 @@ def _due(control: Control, frame: int) -> float:
 
 
 def _tick(control: Control, before: int, time: float) -> int:
-    """The tick of a time; between two frames it never equals that of a frame."""
+    """The tick of a time; between two frames it is never equal to that of a frame."""
     frame = before // control.steps_per_frame
     first, last = frame * control.steps_per_frame, (frame + 1) * control.steps_per_frame
     if control.end < math.inf:
@@ -196,7 +196,7 @@ def _tick(control: Control, before: int, time: float) -> int:
 
 def _longest(control: Control, now: float) -> float:
     """The longest next step (s): a part of a cycle during oscillations, which the error of films does not predict.
-    After a jump, or a start under a stress, also a part of the time since then.
+    After a jump, or a start under a stress, it is also limited to a part of the time since then.
     """
     protocol, interval = control.protocol, interval_at(control.protocol, now)
     pace, age = float(protocol.waves[interval, 2]), now - float(protocol.times[interval])

@@ -59,7 +59,7 @@ NARROW = 0.5
 
 
 def advance(parameters: Parameters, state: State, scratch: Workspace, steps: int) -> int:
-    """Integrate over at least that many ticks, but not past a frame; one step for 0 ticks. Returns `CROWDED` if
+    """Integrate over at least this number of ticks, but not past a frame; for 0 ticks, one step. Returns `CROWDED` if
     contacts opened or closed.
     """
     if scratch.generation != state.generation[0]:
@@ -82,7 +82,7 @@ def advance(parameters: Parameters, state: State, scratch: Workspace, steps: int
 
 def update_contacts(parameters: Parameters, state: State, opened: PairList | None) -> bool:
     """Open and close contacts. Returns whether any changed. If spheres meet without a film while deflections are beyond
-    the range of the contact laws, the message of Diverged names these as the cause.
+    the range of the contact laws, the message of Diverged states the deflections as the cause.
     """
     try:
         return update_contact_list(parameters, state, opened)
@@ -148,14 +148,15 @@ def attempted(tried: Tried, length: float, end: float) -> float:
 
 
 def shortening(tried: Tried) -> float:
-    """The factor of the length of a step that missed a contact, or whose energy budget is not exact; 1 for others."""
+    """The factor of the length of a step that missed a contact, or whose energy budget is not exact; otherwise 1."""
     parameters, step = tried.parameters, tried.scratch.step
     tried.opened = new_contacts(parameters, step)
     if missed_contact(parameters, step, tried.opened):
         return 0.5
     if tried.tries > 0 and (excess := missed_work(tried)) > 1.0:
         tried.tries -= 1
-        # A power of two: the residual is a difference, and its rounding must not decide the lengths of later steps.
+        # A power of two: the residual is a difference of large terms, and its rounding error must not affect the
+        # lengths of later steps.
         return 2.0 ** math.floor(math.log2(for_work(excess)))
     return 1.0
 
@@ -169,7 +170,7 @@ def missed_work(tried: Tried) -> float:
 
 
 def new_contacts(parameters: Parameters, step: Step) -> PairList:
-    """The pairs that need a film at the end of a step and have none."""
+    """The pairs without a film that need one at the end of a step."""
     box = box_of(parameters.box, step.cell.shape, parameters.dimensions)
     pair = np.stack([step.pairs.first, step.pairs.second], axis=1)
     image = step.pairs.image[:, : parameters.dimensions].astype(np.int64)
@@ -177,9 +178,7 @@ def new_contacts(parameters: Parameters, step: Step) -> PairList:
 
 
 def missed_contact(parameters: Parameters, step: Step, opened: PairList) -> bool:
-    """Whether a gap is narrower than a new contact should have, so that its film should have appeared in an earlier
-    step.
-    """
+    """Whether a gap is narrower than that of a new contact, so that its film should have opened in an earlier step."""
     if step.walls and missed_wall_contact(parameters, step, step.walls):
         return True
     reach, moved = parameters.contacts.fade_from, step.bodies.position - step.bodies.before
@@ -199,8 +198,7 @@ def missed_wall_contact(parameters: Parameters, step: Step, walls: Walls) -> boo
 
 
 def jump(parameters: Parameters, state: State, scratch: Workspace) -> bool:
-    """Balance forces at constant gaps if the protocol jumps at this time. Returns False without a
-    balance.
+    """Balance forces at constant gaps if the protocol jumps at this time. Returns False if no balance is found.
 
     A jump is the limit of a fast ramp: all its work is stored in deflections.
     """

@@ -2,8 +2,9 @@
 a force is too large.
 
 Films that lead from a sphere to its own periodic image wind around the cell. Only films that wind around it along y
-resist a normal stress or a shear stress there. A network that winds may still be floppy, if its spheres can move or
-roll without deflections. Both are tested at the first state, where deflections are zero and only the network counts.
+resist a normal stress or a shear stress there. A network that winds around the cell may still be floppy, if its spheres
+can move or roll without deflections. Both are tested in the initial state, where deflections are zero and only the
+network matters.
 """
 
 from __future__ import annotations
@@ -102,10 +103,10 @@ def floppy(parameters: Parameters, state: State, scratch: Workspace, at: tuple[D
 
 
 def unresisted(parameters: Parameters, state: State, scratch: Workspace, drive: Drive) -> str:
-    """A sentence if a force that begins with the load would roll spheres at once, since no film resists it; otherwise
+    """A sentence if a force that starts with the load would roll spheres without resistance of any film; otherwise
     empty.
 
-    Forces that act from the start have moved the spheres before.
+    Forces that act from the start have already moved the spheres.
     """
     if drive.load != 0.0 or not (parameters.force.any() or parameters.torque.any()):
         return ""
@@ -178,7 +179,9 @@ def unbalanced(parameters: Parameters, scratch: Workspace, at: tuple[Drive, Rule
 
 
 def is_met(parameters: Parameters, state: State, wall: int) -> bool:
-    """Whether a film leads to a wall, or to a sphere that is glued to it, from a sphere that is not."""
+    """Whether a film connects a sphere that is not glued to a wall with the wall, or with a sphere that is glued to
+    it.
+    """
     glued = parameters.walls.glue[:, wall] > 0.0
     pair = state.pair[: state.contacts[0]]
     beside = glued[pair].sum(axis=1) == 1
@@ -186,7 +189,7 @@ def is_met(parameters: Parameters, state: State, wall: int) -> bool:
 
 
 def unmet_wall(parameters: Parameters, state: State) -> str:
-    """A sentence on a movable wall without films; empty if each has some."""
+    """A sentence on a movable wall without films; empty if each movable wall has some."""
     for wall, axis in parameters.walls.free:
         if not is_met(parameters, state, wall) and parameters.walls.force[wall, axis] != 0.0:
             inward = parameters.walls.surfaces.place[wall]

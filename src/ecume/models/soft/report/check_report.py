@@ -54,7 +54,9 @@ def advice(scene: SoftScene, parameters: Parameters, state: State) -> list[Row]:
 
 
 def unit_strain(scene: SoftScene) -> list[Row]:
-    """The row on the time of a strain of 1, after which a packing has forgotten its start; empty without a rate."""
+    """The row on the time of a strain of 1, after which a packing no longer depends on its initial state; empty without
+    a rate.
+    """
     strain = 0.0
     for stage, following in itertools.zip_longest(scene.protocol, scene.protocol[1:]):
         begin, end = stage.time, following.time if following is not None else math.inf
@@ -69,12 +71,12 @@ def unit_strain(scene: SoftScene) -> list[Row]:
 
 
 def typical_pair(scene: SoftScene, parameters: Parameters, state: State) -> Expected:
-    """Estimates for two spheres."""
+    """The expected film and forces of two typical spheres."""
     radius, modulus = float(np.median(parameters.radius)), float(np.median(parameters.modulus))
     liquid = material_of(scene.liquid)
     pair = SoftPair(radius, modulus, liquid.viscosity, prefactors_of(scene.films))
     gaps = log_gaps_of(parameters, state)
-    # Half of the connected pairs are distant: of the closer half, as many as there are contacts with forces.
+    # About half of the connected pairs are distant: the median of the closer half represents contacts with forces.
     gap = math.exp(np.quantile(gaps, 0.25)) if len(gaps) else math.nan
     found = forces(scene, parameters, pair, gap)
     source = max(found, key=lambda name: found[name], default="")
@@ -109,7 +111,7 @@ def forces(scene: SoftScene, parameters: Parameters, pair: SoftPair, gap: float)
 
 
 def pressed_force(pair: SoftPair, filled: float, dimensions: int) -> float:
-    """alpha_n c_d^(1/2) E R^2 (delta/R)^(3/2) (N), where delta is the excess of diameters over distances."""
+    """The force alpha_n c_d^(1/2) E R^2 (delta/R)^(3/2) (N), where delta is the excess of diameters over distances."""
     excess = 2.0 * (1.0 - (JAMMED[dimensions] / filled) ** (1.0 / dimensions)) if filled > JAMMED[dimensions] else 0.0
     factor = pair.prefactors.normal * math.sqrt(pair.prefactors.deflection_weight)
     return float(factor * pair.modulus * pair.radius**2 * excess**1.5)
@@ -186,10 +188,9 @@ def jamming_fraction(radius: Array, dimensions: int) -> float:
     """The volume fraction at which random packings of these radii jam.
 
     In 3D 0.634 + 0.0658 d + 0.0857 S d^2, with the polydispersity d <= 0.4 and the skewness S of the radii: a fit to
-    simulated packings [desmond2014]. The coefficients and the range are those that others quote from the paper, whose
-    text was not available.
-    In 2D 0.84: packings of circles tend to it at low skewness, whatever the polydispersity, and exceed it at high
-    skewness [meer2024].
+    simulated packings [desmond2014]. The coefficients and the range are taken from quotations of the paper, whose text
+    was not available. In 2D 0.84: packings of circles approach this value at low skewness for any polydispersity, and
+    exceed it at high skewness [meer2024].
     """
     if dimensions == 2:
         return JAMMED[2]
@@ -221,7 +222,7 @@ def largest_deflection(scene: SoftScene, parameters: Parameters, typical: Expect
 
 
 def deep_doubt(deflection: float) -> str:
-    """The consequence of a deflection beyond the range of Hertz's law."""
+    """The warning on a deflection beyond the range of Hertz's law."""
     return (
         f"deflections up to about {deflection:.2g} R are expected, beyond the range of Hertz's law, {LARGE:g} R: "
         "reduce forces, the shear rate or the volume fraction, or take a larger modulus"
@@ -321,7 +322,7 @@ def steps_of(scene: SoftScene, parameters: Parameters) -> float:
 
 
 def strain_of(parameters: Parameters, end: float) -> float:
-    """The total variation of shear and size of the box until a time; moving walls count with their path over an
+    """The total variation of shear and size of the box until a time; moving walls contribute their path over an
     estimated height.
     """
     protocol, total = parameters.protocol, 0.0

@@ -24,7 +24,7 @@ def thinnest(state: State) -> float:
 
 
 def diagnosis(parameters: Parameters, state: State) -> str:
-    """The sphere that left the range of validity, the time, and the remedy."""
+    """The message on the sphere that left the range of validity, with the time and the remedy."""
     when = f"at t = {state.pace[CLOCK]:.6g} s (step {state.tally[ACCEPTED]})"
     broken = first_broken({"position": state.position, "velocity": state.velocity, "spin": state.spin})
     report = f"sphere {broken.particle} has no finite {broken.term} any more" if broken else _closest(parameters, state)

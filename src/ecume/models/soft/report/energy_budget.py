@@ -101,7 +101,7 @@ def count_pairs(contacts: Contacts, pairs: Pairs, *_: object) -> int:
 def sum_pairs(
     contacts: Contacts, pairs: Pairs, films: Films, moving: tuple[Array, Array], at: tuple[Array, Array, Array]
 ) -> Array:
-    """Sum the energy budget of all pairs, in chunks: a row for each. `moving` contains forces and rates, `at` the
+    """Sum the energy budget of all pairs, with one row per chunk. `moving` contains forces and rates, `at` the
     positions, the rates of the box, and the values of the last stage.
     """
     first, second, offset, image, turn = pairs.first, pairs.second, pairs.offset, pairs.image, pairs.turn
@@ -118,8 +118,8 @@ def sum_pairs(
 
 @compiled_inside
 def add_pairs(contacts: Contacts, arrays: ContactArrays, among: tuple[int, int], sums: Array, chunk: int) -> None:
-    """Sum the energy budget of a chunk of pairs. A film takes the power F.dG/dt, in the frame that rotates with its
-    pair, and dissipates it, minus the power of long-range forces.
+    """Sum the energy budget of a chunk of pairs. The power F.dG/dt of a film, in the frame that rotates with its pair,
+    is dissipated except for the power of long-range forces.
     """
     (first, second, offset, image, turn), (radius_sum, reduced_radius, modulus, across) = arrays[0], arrays[1]
     (log_gap, direction), (force, slope), (position, box, sheared) = arrays[2], arrays[3], arrays[4]
@@ -226,8 +226,8 @@ def box_rates(cell: Cell, stage: int) -> Array:
 
 @compiled
 def carried(cell: Cell, stage: int, span: float) -> Array:
-    """The velocity gradient of the liquid in the drag of a stage (1/s): the displacement gradient since its start, over
-    its time span. For an oscillating strain this differs from the rate at the stage.
+    """The velocity gradient of the liquid for the drag in a stage (1/s): the displacement gradient since the start of
+    the stage, over its time span. For an oscillating strain this differs from the rate at the stage.
     """
     if stage > 0:
         return flow_gradient(cell) / span
@@ -270,8 +270,8 @@ def add_drag(line: Array, friction: float, speed: float, along: float) -> None:
 def add_step(lines: Array, scheme: Scheme, length: float, drives: Array) -> None:
     """Sum the rows of all stages to the contribution of the step to the energy budget.
 
-    A force with a load l(t), linear within a step, does the work integral of l dY over its displacement Y: l Y at the
-    end, minus the integral of Y dl.
+    The work of a force with a load l(t), linear within a step, is the integral of l dY over its displacement Y. This is
+    l Y at the end, minus the integral of Y dl.
     """
     added, last = lines[len(lines) - 1], len(lines) - 2
     grown = drives[last, 0] - drives[0, 0]
@@ -295,8 +295,8 @@ def elastic_energy(contacts: Contacts, step: Step) -> float:
 
 
 def elastic_energy_at_end(contacts: Contacts, step: Step) -> float:
-    """The elastic energy at the end of a step that is not accepted yet (J), whose contacts rotate
-    with their spheres.
+    """The elastic energy at the end of a step that is not accepted yet (J), in which the contacts rotate with their
+    spheres.
     """
     direction = step.films.direction.copy()
     carry(step.pairs.turn, direction)
@@ -321,7 +321,7 @@ def remote_energy(contacts: Contacts, step: Step) -> float:
 
 @compiled
 def across_energy(contacts: Contacts, log_gap: Array, radius: Array) -> float:
-    """The energy of the scene's long-range law in films between spheres with these reduced radii (J)."""
+    """The energy of the long-range law of the scene in films between spheres with these reduced radii (J)."""
     total, reach = 0.0, contacts.fade_from
     for c in range(len(log_gap)):
         total += remote_energy_by(math.exp(log_gap[c]), radius[c], contacts, contacts.remote)
@@ -344,7 +344,7 @@ def stake(step: Step) -> float:
 
 
 def stake_of(force: Array, normal: Array, gap: Array, radius_sum: Array) -> float:
-    """The same from forces (N) and gap vectors of contacts."""
+    """The energy scale of tolerances (J), from forces (N) and gap vectors of contacts."""
     pull = np.abs((force * normal).sum(axis=1))
     along = np.sqrt(np.maximum((force**2).sum(axis=1) - pull**2, 0.0))
     return float((pull * gap + along * (radius_sum + gap)).sum())
@@ -356,7 +356,7 @@ def faded_at_walls(touches: Touches, far: float) -> NDArray[np.bool_]:
 
 
 def energy_of_faded(contacts: Contacts, step: Step) -> float:
-    """The elastic energy of contacts whose films have faded (J); films dissipate it at once."""
+    """The elastic energy of contacts whose films have faded (J), which counts as dissipated at once."""
     if math.isinf(contacts.fade_to):
         return 0.0
     far, total = math.log(contacts.fade_to), 0.0

@@ -1,8 +1,9 @@
 """Frames of soft spheres: positions, states of contacts, and lists of contacts.
 
-Frames contain contacts as arrays over spheres: each contact is listed at its sphere of lower number. By default they
-contain the narrowest gaps of a sphere, as scalars. With `films.output = "vectors"` they contain all contacts, with
-image, force vectors and deflection, so that a force network, the balance of forces and the stress follow from them.
+Frames contain contacts as arrays over spheres: each contact belongs to the row of its sphere with the lower number. By
+default frames contain the narrowest gaps of a sphere, as scalars. With `films.output = "vectors"` they contain all
+contacts, with image, force vectors and deflection, so that a force network, the balance of forces and the stress follow
+from them.
 """
 
 from __future__ import annotations
@@ -180,14 +181,14 @@ def slots_of(parameters: Parameters) -> int:
     images = 2 if parameters.box.any() else 1
     if math.isinf(reach):
         return min(others, MOST)
-    # At most as many of the smallest spheres as fill the shell within reach of the largest.
+    # At most as many of the smallest spheres as fill the shell within reach of the largest sphere.
     outer, inner = largest + 2.0 * smallest + reach, largest
     shell = (outer**dimensions - inner**dimensions) / smallest**dimensions
     return int(min(max(math.ceil(shell), 1), images * others, MOST))
 
 
 def listed(parameters: Parameters, state: State, step: Step) -> tuple[dict[str, Array | Integers], int]:
-    """The arrays of contacts, and the number of contacts that were omitted for lack of room; -1 fills the rest of
+    """The arrays of contacts, and the number of contacts that did not fit into them; -1 fills the remainder of
     `neighbor`.
     """
     first, count, slots = step.pairs.first, len(parameters.radius), slots_of(parameters)
@@ -229,7 +230,7 @@ def _columns(parameters: Parameters, state: State, step: Step) -> dict[str, Arra
 
 
 def widths(parameters: Parameters) -> dict[str, int]:
-    """The numbers per sphere in each array of contacts."""
+    """The number of values per sphere in each array of contacts."""
     slots, d = slots_of(parameters), parameters.dimensions
     scalars = dict.fromkeys(("neighbor", "gap", "tension", "shear"), slots)
     if parameters.listed == "scalars":
@@ -336,8 +337,8 @@ def _spinning(state: State) -> dict[str, Array | Integers]:
 
 
 def velocity_at_home(parameters: Parameters, state: State, box: Box) -> Array:
-    """The velocity of the periodic copy within the box, mean over the last step: images above and below move with the
-    shear, all of them with the sides.
+    """The velocity of the periodic copy within the box, averaged over the last step: images above and below move with
+    the shear, and all images with the sides.
     """
     velocity = state.velocity.copy()
     if not parameters.box.any():
@@ -349,13 +350,12 @@ def velocity_at_home(parameters: Parameters, state: State, box: Box) -> Array:
 
 
 def acts_across(parameters: Parameters) -> bool:
-    """Whether there can be a long-range force between surfaces, of the scene or of the user."""
+    """Whether there can be a long-range force between surfaces, from the scene or from user laws."""
     return parameters.laws.remote.acts or bool(parameters.user_forces)
 
 
 def _budget(parameters: Parameters, state: State, step: Step, held: float) -> dict[str, float]:
-    """The energy budget (J): stored, injected and dissipated energy, and the work of the surface
-    law.
+    """The energy budget (J): stored, injected and dissipated energy, and the work of the surface law.
 
     Runs of earlier versions have no energy budget.
     """
@@ -369,7 +369,7 @@ def _budget(parameters: Parameters, state: State, step: Step, held: float) -> di
 
 
 def _preparation_numbers(state: State) -> dict[str, float]:
-    """How the preparation ended: its duration, and the last change of contact forces over these."""
+    """The result of the preparation: its duration, and the last change of contact forces relative to these."""
     return dict(zip(PREPARATION, map(float, state.prepared), strict=False))
 
 
@@ -402,7 +402,7 @@ def _wall_units(numbers: Mapping[str, float]) -> dict[str, str]:
 
 def stresses(parameters: Parameters, step: Step, gap: Array, volume: float) -> dict[str, Array]:
     """The stress (1/V) sum of F_ij X_ij over contacts, tension positive, in three parts: of squeezed films, of sheared
-    films, and of long-range forces. The surfaces carry the sum, since they are in series with the films.
+    films, and of long-range forces. The surfaces bear the sum, since they are in series with the films.
     """
     dimensions = parameters.dimensions
     between = step.bodies.position[step.pairs.second] - step.bodies.position[step.pairs.first]

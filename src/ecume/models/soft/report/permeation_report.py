@@ -29,7 +29,9 @@ def pressure_arrays(step: Step) -> dict[str, Array]:
 
 
 def pressure_numbers(layers: Permeation | tuple[()], names: list[str]) -> dict[str, float]:
-    """The pore pressures at the walls of these names that bound the layers, and the one with the largest magnitude."""
+    """The pore pressures at the walls with these names, which bound the layers, and the pore pressure with the largest
+    magnitude.
+    """
     if not layers:
         return {}
     pressures = pore_pressures(layers)
@@ -63,7 +65,7 @@ def permeation_rows(scene: SoftScene, parameters: Parameters, typical: Expected)
 
 
 def mean_permeability(medium: Medium) -> tuple[float, float]:
-    """The solid fraction between the ends at the start, and the permeability (m^2) at it."""
+    """The solid fraction between the ends at the start, and the corresponding permeability (m^2)."""
     volume, surface = float(medium.volume.sum()), float(medium.surface.sum())
     fraction = volume / (medium.area * medium.height)
     given = {"solid_fraction": fraction, "diameter": 6.0 * volume / surface, "permeability": medium.permeability}

@@ -1,7 +1,7 @@
 """The T1 process: four spheres that exchange neighbors, pulled by two pairs of forces.
 
-Start with `t1_process` in `process`. `cluster` holds the scene and the results, and solves for the deflections of the
-faintest forces, and `paper_scheme` is the explicit method of [rognon2009], for comparison.
+Start with `t1_process` in `process`. `cluster` contains the scene and the results, and solves for the deflections under
+very small forces. `paper_scheme` is the explicit method of [rognon2009], for comparison.
 """
 
 from ecume.models.soft.t1.cluster import T1

@@ -1,12 +1,13 @@
 """Four spheres that exchange neighbors: the scene and its results.
 
-The T1 process with deflections as unknowns, for forces whose deflections are lost in the rounding of positions.
+Here the unknowns of the T1 process are the deflections, for forces so small that deflections are below the rounding
+error of positions.
 
-A cluster that is symmetric about two axes has four films: horizontal, vertical, and the diagonals, which are alike. Its
-state is ln(gap) of each, the angle of the diagonals' gap vector G_d, and the closure C = (G_h/2, G_v/2) - G_d, the sum
-of gap vectors around half a diamond: it is the difference between the deflections, as small as they are, and has its
-own equation. The deflection of a diagonal is C plus half the horizontal and half the vertical one, which balance the
-forces. Spheres do not rotate in a symmetric cluster. [rognon2009, eq. 1 to 16].
+A cluster that is symmetric about two axes has a horizontal film, a vertical film, and diagonal films, which are equal.
+Its state consists of their ln(gap), the angle of the diagonal gap vector G_d, and the closure C = (G_h/2, G_v/2) - G_d,
+the sum of gap vectors around half a diamond. The closure is the difference between the deflections, has their
+magnitude, and obeys a separate equation. The deflection of a diagonal is C plus half the horizontal and half the
+vertical one, which balance the forces. Spheres do not rotate in a symmetric cluster. [rognon2009, eq. 1 to 16].
 """
 
 from __future__ import annotations
@@ -108,7 +109,7 @@ def parting(gap: float, kappa: float, prefactors: str) -> float:
 
 
 def horizon(gap: float, kappa: float, prefactors: str, ramp: float) -> float:
-    """The time (eta R^2 / F_N) after which a cluster that has not exchanged neighbors counts as blocked."""
+    """The time (eta R^2 / F_N) after which a cluster counts as blocked if it has not exchanged neighbors."""
     return PATIENCE * parting(gap, kappa, prefactors) + 60.0 + ramp
 
 
@@ -165,8 +166,8 @@ class Effort(NamedTuple):
 def result_of(
     series: Sequence[Instant], found: Sequence[float], thresholds: Sequence[float], kappa: float, effort: Effort
 ) -> T1:
-    """The result for a cluster that reached its thresholds at the times `found`; infinite for
-    thresholds never reached.
+    """The result for a cluster that reached its thresholds at the times `found`, which are infinite for thresholds
+    never reached.
     """
     last = found[-1]
     least = min(instant.gap_vertical for instant in series)
@@ -179,8 +180,8 @@ OUTCOMES = ("t1", "blocked", "dissociated")
 
 
 def outcome_at(found: float, gap_diagonal: float, least_vertical: float) -> int:
-    """The index in OUTCOMES of a cluster that completed at the time `found`, infinite if it never did, and ended with
-    this diagonal gap; `least_vertical` is the smallest gap that the vertical pair had.
+    """The index in OUTCOMES of a cluster that completed at the time `found` (infinite if it never did) and ended with
+    this diagonal gap; `least_vertical` is the smallest gap of the vertical pair during the process.
     """
     if found < math.inf or (gap_diagonal > APART and least_vertical < MET):
         return 0
@@ -188,7 +189,7 @@ def outcome_at(found: float, gap_diagonal: float, least_vertical: float) -> int:
 
 
 class ReachedGoals(NamedTuple):
-    """The times at which goals were reached; infinite for others."""
+    """The times at which goals were reached; infinite for goals not reached."""
 
     since: Array
     """since when the vertical pair has carried the force"""
@@ -202,7 +203,7 @@ def no_goals_reached(goals: Sequence[float]) -> ReachedGoals:
 
 
 def goals_of(forces: tuple[float, float], thresholds: Sequence[float]) -> Array:
-    """The forces (F_N) of the vertical pair that are parts of F_v - F_h/sqrt(3)."""
+    """The goals of the thresholds: forces (F_N) of the vertical pair as parts of F_v - F_h/sqrt(3)."""
     horizontal, vertical = forces
     return np.array([one * (vertical - horizontal / SQRT3) / abs(horizontal - vertical / SQRT3) for one in thresholds])
 
@@ -214,9 +215,9 @@ def watch(
     """Record the goals reached in a step. Returns whether all are reached; `crossing(given, goal)` computes the time at
     which a force is reached.
 
-    At first the distant vertical pair has a peak of force: a wide film has a large contact, and its surface is stiff.
-    So a time counts once the vertical pair is the closer one, and only if the force has not fallen below since. A goal
-    that is not positive is never reached.
+    At first the distant vertical pair has a peak of force, since a wide film has a large contact with a stiff surface.
+    Therefore a time counts only if the vertical pair is the closer one, and if the force does not decrease below the
+    goal again. A goal that is not positive is never reached.
     """
     for k in range(len(goals)):
         goal = goals[k]
@@ -292,8 +293,8 @@ def contact_at(pull: Pull, gap: float, deflection: float) -> Contact:
 
 
 def balanced(pull: Pull, time: float, state: Array, guess: Array) -> Balance:
-    """Solve for the horizontal and the vertical deflection by Newton's method, at constant gaps; `guess` is the start
-    and receives the solution.
+    """Solve for the horizontal and the vertical deflection by Newton's method, at constant gaps. `guess` is the initial
+    guess, and receives the solution.
     """
     load = min(time / pull.ramp, 1.0)
     gaps = exp(state[:3])
@@ -327,7 +328,7 @@ def balanced(pull: Pull, time: float, state: Array, guess: Array) -> Balance:
 
 
 def rates(pull: Pull, guess: Array, time: float, state: Array) -> Array:
-    """The rates of ln(gaps), angle and closure. The force of its surfaces drives each film."""
+    """The rates of the logarithmic gaps, angle and closure. The force of its surfaces drives each film."""
     balance, factors = balanced(pull, time, state, guess), pull.prefactors
     gaps = exp(state[:3])
     opening = np.array(
@@ -348,8 +349,8 @@ def rates(pull: Pull, guess: Array, time: float, state: Array) -> Array:
 def jacobian(pull: Pull, guess: Array, time: float, state: Array) -> Array:
     """The Jacobian of the rates by finite differences.
 
-    The closure relaxes within a time kappa. The usual differences, over a part of the tolerance, would be lost in
-    rounding.
+    The closure relaxes within a time kappa. Finite differences with increments of the order of the tolerance would be
+    lost in rounding.
     """
     here, columns = rates(pull, guess, time, state), []
     for k in range(len(state)):

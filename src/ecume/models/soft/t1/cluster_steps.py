@@ -1,6 +1,6 @@
 """Steps of a cluster of four spheres, by their positions, until its vertical pair carries the forces.
 
-Python runs these functions as they are, around the compiled attempt of a step; pages have all of it compiled.
+Python runs these functions and calls the compiled attempt of a step; for pages all functions are compiled.
 """
 
 from __future__ import annotations
@@ -52,7 +52,7 @@ GOING_ON, ENDED, STUCK = range(3)
 
 
 class Start(NamedTuple):
-    """The start of a step, to which it can return."""
+    """The start of a step, which can be restored."""
 
     position: Array
     log_gap: Array
@@ -86,7 +86,7 @@ class Cluster(NamedTuple):
 
 
 def cluster_of(parameters: Parameters, state: State, step: Step, units: Units, goals: Array) -> Cluster:
-    """The cluster before `begin`."""
+    """The cluster, for which `begin` must be called next."""
     across = state.position[1] - state.position[0]
     axes = np.array([[across[0], across[1]], [-across[1], across[0]]]) / math.hypot(across[0], across[1])
     before, after = (Start(step.bodies.before.copy(), step.log_gap.copy(), step.direction.copy()) for _ in range(2))
@@ -98,21 +98,21 @@ def cluster_of(parameters: Parameters, state: State, step: Step, units: Units, g
 
 
 def begin(cluster: Cluster) -> None:
-    """Compute the forces at rest."""
+    """Compute the forces in the initial state at rest."""
     request = StepRequest(0.0, drives_of(cluster.control, 0.0, 0.0, 0.0), cluster.control.tolerance)
     dirk.step_dense(cluster.contacts, cluster.step, cluster.control.scheme, request, dirk.BEGIN)
     note(cluster, instant_at(cluster.step, 0.0, cluster.units))
 
 
 def follow_step(cluster: Cluster) -> int:
-    """Integrate over a step, and see which goals are reached. Returns GOING_ON, ENDED or STUCK."""
+    """Integrate over a step, and record the goals that are reached. Returns GOING_ON, ENDED or STUCK."""
     if not take_step(cluster):
         return STUCK
     return ENDED if has_ended(cluster) else GOING_ON
 
 
 def take_step(cluster: Cluster) -> bool:
-    """Integrate over a step; whether any was short enough."""
+    """Integrate over a step. Returns False if no step was short enough."""
     step, now, control = cluster.step, cluster.now, cluster.control
     start = float(now.pace[CLOCK])
     keep(cluster.before, step)
@@ -132,7 +132,7 @@ def take_step(cluster: Cluster) -> bool:
 
 
 def has_ended(cluster: Cluster) -> bool:
-    """Record the goals that the last step reached; return whether the process is over."""
+    """Record the goals that the last step reached; return whether the process has ended."""
     begin, end = noted(cluster, 0), noted(cluster, 1)
     if watch(cluster.goals, cluster.seen, begin, end, crossing, cluster):
         return True
@@ -140,7 +140,7 @@ def has_ended(cluster: Cluster) -> bool:
 
 
 def attempted(cluster: Cluster, length: float, end: float) -> float:
-    """The error of a step from now on, or `dirk.FAILED`."""
+    """The error of a step from the present state, or `dirk.FAILED`."""
     return tried(cluster, float(cluster.now.pace[CLOCK]), length, end)
 
 
@@ -185,20 +185,20 @@ def gaps_of(films: Films) -> Array:
 
 
 def keep(to: Start, step: Step) -> None:
-    """Keep the start of a step."""
+    """Store the start of a step."""
     to.position[:], to.log_gap[:], to.direction[:] = step.bodies.before, step.log_gap, step.direction
 
 
 def go_back(to: Start, step: Step) -> None:
-    """Begin a step there."""
+    """Restore the start of a step."""
     step.bodies.before[:], step.log_gap[:], step.direction[:] = to.position, to.log_gap, to.direction
 
 
 def mirror(step: Step, axes: Array) -> None:
     """Remove the rounding errors of the two mirror symmetries of the cluster.
 
-    Forces with fixed directions make a compressed cluster unstable against rotation, like a rod between two fingers:
-    from one part in 1e16 this happens in processes of 1e5 units.
+    Forces with fixed directions make a compressed cluster unstable against rotation, like a rod that is compressed
+    between two points. An asymmetry of 1e-16 grows to a rotation in processes of 1e5 time units.
     """
     place, direction, log_gap = step.bodies.before, step.direction, step.log_gap
     rotate(place, axes)
@@ -219,14 +219,14 @@ def mirror(step: Step, axes: Array) -> None:
 
 
 def rotate(vectors: Array, axes: Array) -> None:
-    """Write vectors by their components along two axes."""
+    """Replace vectors by their components along two axes."""
     for i in range(len(vectors)):
         x, y = vectors[i, 0], vectors[i, 1]
         vectors[i, 0], vectors[i, 1] = x * axes[0, 0] + y * axes[0, 1], x * axes[1, 0] + y * axes[1, 1]
 
 
 def average(vectors: Array, first: int, end: int) -> None:
-    """Give components of some vectors the mean of their magnitudes."""
+    """Replace the magnitudes of components of some vectors by their mean."""
     for k in range(2):
         mean = np.abs(vectors[first:end, k]).sum() / (end - first)
         for i in range(first, end):
@@ -234,7 +234,7 @@ def average(vectors: Array, first: int, end: int) -> None:
 
 
 def instant_at(step: Step, time: float, units: Units) -> Instant:
-    """The end of a step in numbers, from the last solution in `films` and `responses`."""
+    """The state at the end of a step, from the last solution in `films` and `responses`."""
     gap, force, direction = gaps_of(step.films), step.responses.force, step.films.direction
     x, y = direction[DIAGONAL, 0], direction[DIAGONAL, 1]
     place = step.bodies.position
@@ -260,19 +260,19 @@ def tension(force: Array, direction: Array, c: int) -> float:
 
 
 def note(cluster: Cluster, instant: Instant) -> None:
-    """Keep the present instant as numbers."""
+    """Store the present instant as numbers."""
     for k in range(len(instant)):
         cluster.instants[1, k] = instant[k]
 
 
 def noted(cluster: Cluster, which: int) -> Instant:
-    """An instant that was kept."""
+    """An instant that was stored."""
     row = cluster.instants[which]
     return Instant(row[0], row[1], row[2], row[3], row[4], row[5], row[6], row[7], row[8])
 
 
 def crossing(cluster: Cluster, goal: float) -> float:
-    """The time within the last step at which the vertical pair carries that force, by shorter steps."""
+    """The time within the last step at which the vertical pair carries the force `goal`, found by shorter steps."""
     start = float(cluster.start[0])
     keep(cluster.after, cluster.step)
     length = cluster.now.pace[CLOCK] - start
@@ -284,7 +284,7 @@ def crossing(cluster: Cluster, goal: float) -> float:
 
 
 def lacking(at: tuple[Cluster, float, float], length: float) -> float:
-    """The difference between a goal and the vertical pair's force after a step of this length."""
+    """The goal minus the force of the vertical pair after a step of this length."""
     cluster, start, goal = at
     go_back(cluster.before, cluster.step)
     tried(cluster, start, length, start + length)

@@ -1,9 +1,9 @@
 """The explicit scheme of the paper for a T1 process, for comparison.
 
 The time derivative of the force balance is solved for the velocities of the spheres; positions and gap vectors are
-integrated by the second-order Adams-Bashforth formula or by Runge-Kutta schemes. The balance itself is never solved, so
-that the forces drift out of it, and a step must be as short as the fastest relaxation of a contact, eta/E. [rognon2009,
-eq. 16 to 20 and 35 to 49].
+integrated by the second-order Adams-Bashforth formula or by Runge-Kutta schemes. The force balance itself is never
+solved, so that the forces drift away from balance, and a step must be as short as the fastest relaxation of a contact,
+eta/E. [rognon2009, eq. 16 to 20 and 35 to 49].
 """
 
 from __future__ import annotations
@@ -93,7 +93,7 @@ def look(step: Step, places: Places) -> bool:
 @compiled
 def velocities(contacts: Contacts, step: Step, places: Places, load_rate: float, found: Places) -> bool:
     """Compute the rates of sphere positions and gap vectors. Films flow under the forces of the surfaces, which remain
-    in balance.
+    balanced.
     """
     if not look(step, places):
         return False
@@ -137,13 +137,14 @@ def one_step(contacts: Contacts, step: Step, course: Course, time: float, kept: 
     """
     places, trial, first, second, third, fourth = kept
     length = course.length
-    # The load grows in a step whose middle is within the ramp.
+    # The load increases in a step whose middle is within the ramp.
     rate = 1.0 / course.ramp if time + 0.5 * length < course.ramp else 0.0
     if course.scheme == ADAMS_BASHFORTH:
         displaced(first, first, 0.0, second)
         if not velocities(contacts, step, places, rate, first):
             return False
-        # Velocities jump at both ends of the ramp: former velocities do not extrapolate across them.
+        # Velocities are discontinuous at both ends of the ramp, so that previous velocities cannot be extrapolated
+        # across them.
         if time == 0.0 or (rate == 0.0 and time - 0.5 * length < course.ramp):
             displaced(first, first, 0.0, second)
         displaced(places, first, 1.5 * length, trial)
@@ -212,7 +213,7 @@ def follow(
     kappa, ramp = abs(horizontal - vertical / SQRT3), scene.protocol[-1].time
     length = min(kappa, 0.1 * ramp) if how[1] is None else how[1]
     require_positive("time_step", length)
-    length = ramp / math.ceil(ramp / length * (1.0 - 1e-9))  # the ramp ends between two steps
+    length = ramp / math.ceil(ramp / length * (1.0 - 1e-9))  # whole steps, so that the ramp ends between two of them
     goals = goals_of(forces, thresholds).tolist()
     course = Course(length, ramp, SCHEMES[how[0]], max(1, round(scene.duration / (LOOKS * 30.0 * length))))
     if scene.duration >= LONGEST or scene.duration / (10.0 * length) > MOST_STEPS:
@@ -230,7 +231,7 @@ def follow(
 
 
 def _records(scene: SoftScene, course: Course) -> Iterator[tuple[Array, float]]:
-    """Rows of records, and the largest imbalance until then, up to the horizon or until a gap vanishes."""
+    """Rows of records, each with the largest imbalance so far, up to the horizon or until a gap vanishes."""
     parameters = parameters_of(scene)
     step = workspace(parameters, start(scene, parameters), 1.0).step
     kept = (places_of(step), *(places_like(step) for _ in range(5)))

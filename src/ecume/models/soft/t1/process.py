@@ -70,14 +70,16 @@ def t1_process(
 ) -> T1:
     """Simulate the neighbor exchange of four spheres, and measure its duration.
 
-    `gap` is that of the five close pairs at the start. Either `reduced_force` (kappa) with `force_ratio` (F_h/F_v, by
-    default 0), or `forces` (F_h, F_v), both inward. The pull grows over `ramp`. The process is complete when the
-    vertical pair is the closer one and carries the part `threshold` of F_v - F_h/sqrt(3), from then on; of several
-    thresholds the last one is the duration. With `rotation` the spheres may spin.
+    `gap` is the initial gap of the five close pairs. The forces are given either by `reduced_force` (kappa) and
+    `force_ratio` (F_h/F_v, by default 0), or by `forces` (F_h, F_v), both inward; they increase linearly over `ramp`.
+    The process is complete when the vertical pair is the closer one and carries the part `threshold` of F_v -
+    F_h/sqrt(3) permanently; with several thresholds, the last one defines the duration. With `rotation` the spheres may
+    spin.
 
-    `method` is `implicit`, with steps as long as the tolerance `rtol` of ln(gap) allows; the paper's own, `paper`; or
-    that with Runge-Kutta steps, `rk2` and `rk4`: fixed ones of about `time_step`, or eta/E; whole ones fit the ramp.
-    Below kappa = 5e-7 the deflections themselves are the unknowns of the implicit method.
+    `method` is `implicit`, with steps as long as the tolerance `rtol` of ln(gap) permits; `paper`, the scheme of the
+    paper; or `rk2` and `rk4`, the same scheme with Runge-Kutta steps. The explicit schemes have fixed steps of about
+    `time_step`, by default eta/E, of which a whole number fits into the ramp. Below kappa = 5e-7 the unknowns of the
+    implicit method are the deflections.
     """
     pull = _forces(reduced_force, force_ratio, forces)
     thresholds = _thresholds(threshold)
@@ -108,7 +110,7 @@ def t1_process(
 
 
 def _forces(reduced: float | None, ratio: float | None, forces: tuple[float, float] | None) -> tuple[float, float]:
-    """(F_h, F_v) in E R^2."""
+    """The forces (F_h, F_v) in E R^2."""
     if (reduced is None) == (forces is None):
         raise BadInput("expected either reduced_force or forces; got " + ("neither" if forces is None else "both"))
     if reduced is not None:
