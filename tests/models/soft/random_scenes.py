@@ -1,7 +1,8 @@
 """Random scenes of soft spheres, drawn from what users draw: clusters, cells, walls, and every option of each.
 
-`python -m tests.models.soft.random_scenes 0 500` runs those of 500 seeds, and each again with its spheres in another
-order, rotated, and continued from its middle.
+`python -m tests.models.soft.random_scenes 0 500 10` runs those of 500 seeds, each for at most 10 s of processor time,
+and each again with its spheres in another order, rotated, and continued from its middle. It prints one line a scene.
+The scenes of `draw` have a few spheres; those of `drawn`, which it runs, have more in most, and up to three `OPTIONS`.
 """
 
 from __future__ import annotations
@@ -9,6 +10,7 @@ from __future__ import annotations
 import math
 import sys
 import time
+import traceback
 import warnings
 from collections import Counter
 
@@ -19,9 +21,10 @@ from ecume.analysis.rheology import stress_tensor
 from ecume.errors import Diverged, EcumeError, SceneError
 from ecume.models.soft import SOFT
 from ecume.models.soft.integration.dirk_schemes import error_of_run
-from ecume.models.soft.setup import GLUE
+from ecume.models.soft.setup import GLUE, places
 from ecume.scenes.schema import from_plain, to_plain
 from ecume.scenes.soft import SIDES, dimensions_of, sides_of
+from ecume.scenes.soft.protocol import EXCLUSIVE
 from ecume.simulation import moments
 
 MOST_STEPS = 1500
@@ -218,25 +221,242 @@ def walls(dice, plain, sizes, course):
     plain["walls"] = [bottom, top]
 
 
+def drawn(dice):
+    """The tables of a scene with more spheres, and with up to three further options."""
+    plain = draw(dice)
+    if "cell" in plain and dice.random() < 0.7:
+        more = int(dice.integers(2, 9 if len(plain["cell"]["size"]) == 2 else 6))
+        for one in plain["particles"]:
+            one["count"] *= more
+    for place in sorted(dice.permutation(len(OPTIONS))[: int(dice.integers(0, 4))]):
+        OPTIONS[place](dice, plain)
+    return plain
+
+
+def scales(plain):
+    """A radius, a modulus and the number of dimensions of a scene."""
+    one = plain["particles"][0]
+    radius = one["radius"]["mean"] if isinstance(one["radius"], dict) else one["radius"]
+    given = plain["cell"]["size"] if "cell" in plain else one["positions"][0]
+    return radius, one["modulus"], len(given)
+
+
+def add_name_of_liquid(dice, plain):
+    """A named liquid with a viscosity of its own."""
+    plain["liquid"] |= {"name": "water", "temperature": float(dice.uniform(280.0, 350.0))}
+
+
+def add_prefactors(dice, plain):
+    """Prefactors in place of those of the set."""
+    for name in ("squeeze", "shear", "normal", "tangential", "gap_weight", "deflection_weight"):
+        if dice.random() < 0.5:
+            plain["films"][name] = float(np.exp(dice.uniform(-1.0, 1.5)))
+
+
+def add_drops(dice, plain):
+    """Drops of any viscosity."""
+    plain["films"] |= {"interface": "drop", "viscosity_ratio": float(10.0 ** dice.uniform(-3, 3))}
+
+
+def add_list_of_radii(dice, plain):
+    """One radius per sphere, or a histogram."""
+    if "cell" in plain:
+        radius, _, _ = scales(plain)
+        one = plain["particles"][0]
+        radii = (radius * dice.uniform(0.8, 1.2, one["count"])).tolist()
+        listed = dice.random() < 0.5
+        one["radius"] = radii if listed else {"distribution": "histogram", "radii": radii[:3]}
+        if not listed:
+            one["radius"]["weights"] = [1.0, 2.0, 3.0][: len(radii[:3])]
+
+
+def add_share(dice, plain):
+    """A species by its part of the volume."""
+    if len(plain["particles"]) > 1 and "count" in plain["particles"][1] and scales(plain)[0] == plain_radius(plain, 0):
+        del plain["particles"][1]["count"]
+        plain["particles"][1]["volume_share"] = float(dice.uniform(0.2, 0.6))
+
+
+def plain_radius(plain, place):
+    """The radius of a species where it is one number."""
+    radius = plain["particles"][place]["radius"]
+    return radius if isinstance(radius, float) else None
+
+
+def add_wide_gaps(dice, plain):
+    """Larger gaps at the start, and films across them."""
+    if "cell" in plain:
+        radius, _, _ = scales_of_lists(plain)
+        plain["cell"]["minimum_gap"] = radius * float(10.0 ** dice.uniform(-4, -1.3))
+        plain["films"]["cutoff"] = radius * float(dice.uniform(0.3, 1.0))
+
+
+def scales_of_lists(plain):
+    """The scales of a scene whose radii are given in any way."""
+    one = plain["particles"][0]
+    given = one["radius"]
+    if isinstance(given, list):
+        given = float(np.mean(given))
+    if isinstance(given, dict):
+        given = given.get("mean") or float(np.mean(given["radii"]))
+    return scales(plain | {"particles": [one | {"radius": given}]})
+
+
+def add_glued(dice, plain):
+    """Rough walls."""
+    if plain.get("walls") and "cell" in plain:
+        plain["hydrodynamics"] = {"drag": "none"}
+        radius, modulus, dimensions = scales_of_lists(plain)
+        count = int(dice.integers(2, 6)) * (dimensions - 1)
+        for side in ["bottom", "top"][: 1 + int(dice.random() < 0.6)]:
+            plain["particles"].append({"radius": radius, "modulus": modulus, "count": count, "glued": side})
+            if "gravity" in plain:
+                plain["particles"][-1]["density"] = plain["particles"][0]["density"]
+        plain["particles"][0] = one = dict(plain["particles"][0])
+        if not isinstance(one["radius"], list):
+            one["count"] = one["count"] + 3 * count
+
+
+def add_preparation(dice, plain):
+    """A packing that is compressed before time 0."""
+    if "cell" not in plain:
+        return
+    radius, modulus, dimensions = scales_of_lists(plain)
+    pressure = modulus * float(10.0 ** dice.uniform(-4.5, -3)) * (radius if dimensions == 2 else 1.0)
+    spec = {"pressure": pressure, "relaxed": float(dice.choice([0.3, 0.1, 0.03]))}
+    if not plain.get("walls") and dice.random() < 0.5:
+        spec = {"volume_fraction": 0.85 if dimensions == 2 else 0.62, "relaxed": 0.1}
+        plain["cell"]["volume_fraction"] = min(plain["cell"]["volume_fraction"], 0.75 if dimensions == 2 else 0.5)
+    if plain.get("walls"):
+        plain["walls"][1].pop("velocity", None)
+        plain["walls"][1]["pressure"] = pressure
+    else:
+        for row in plain["protocol"]:
+            row.pop("scale", None)
+    spec["rate"] = float(10.0 ** dice.uniform(-6, -4.5)) * modulus / plain["liquid"]["viscosity"]
+    plain["preparation"] = spec
+
+
+def add_permeation(dice, plain):
+    """Liquid that permeates the packing between two walls."""
+    if not plain.get("walls") or "cell" not in plain:
+        return
+    radius, _, _ = scales_of_lists(plain)
+    drained = [True, bool(dice.random() < 0.5)]
+    for wall, flows in zip(plain["walls"], [drained[k] for k in dice.permutation(2)], strict=False):
+        wall["drained"] = flows
+    plain["permeation"] = {"layer_height": radius * float(dice.uniform(1.5, 5.0))}
+    if dice.random() < 0.3:
+        plain["permeation"] |= {"law": "constant", "permeability": radius**2 * float(10.0 ** dice.uniform(-5, -1))}
+    plain["hydrodynamics"] = {"drag": "none"}
+
+
+def add_stages(dice, plain):
+    """A stress or a rate that changes, or an oscillation of a stress, in the middle between two frames."""
+    middle = 0.6 * plain["duration"]
+    if plain.get("walls") or "cell" not in plain:
+        loads = [1.0, float(dice.choice([1.0, 1.5]))]
+        plain["protocol"] = [
+            {"time": 0.0, "load": 0.5},
+            *({"time": middle, "load": load} for load in loads),
+        ]
+        if any("shear_stress" in wall for wall in plain.get("walls", [])) and dice.random() < 0.5:
+            plain["protocol"][1]["wall_shear"] = 2.0
+        return
+    first = plain["protocol"][0]
+    if "shear_stress" in first:
+        if dice.random() < 0.5:
+            first["oscillation"] = {"frequency": 2.0 / plain["duration"], "stress": 0.3 * first["shear_stress"]}
+        else:
+            plain["protocol"] = [first, {"time": middle, "shear_stress": -0.5 * first["shear_stress"]}]
+    elif "shear_rate" in first:
+        rest = {"shear_rate": 0.0} if dice.random() < 0.5 else {"shear_stress": 0.0}
+        plain["protocol"] = [first, {"time": middle, **rest}]
+
+
+def add_sides(dice, plain):
+    """A box that is closed along another axis, too; most of them are filled by gravity."""
+    if "cell" not in plain or "preparation" in plain or "permeation" in plain:
+        return
+    dimensions = scales_of_lists(plain)[2]
+    sides = [("left", "right"), ("front", "back")][int(dice.random() < 0.5) if dimensions == 3 else 0]
+    if not plain.get("walls"):
+        plain["protocol"], plain["walls"] = [], [{"side": "bottom"}]
+        plain["cell"]["volume_fraction"] *= 0.7
+    if sides[0] == "left":
+        for wall in plain["walls"]:
+            wall.pop("shear_stress", None)
+            wall.pop("velocity", None)
+    plain["walls"] += [{"side": side} for side in sides]
+    if dice.random() < 0.7:
+        add_weight(dice, plain)
+
+
+def add_weight(dice, plain):
+    """Gravity along an axis, or oblique."""
+    radius, modulus, dimensions = scales_of_lists(plain) if "cell" in plain else scales(plain)
+    held = plain["hydrodynamics"]["drag"] == "stokes" or plain.get("walls")
+    if not held:
+        return
+    tilt = float(dice.choice([0.0, 0.3])) if plain["hydrodynamics"]["drag"] == "stokes" else 0.0
+    plain["gravity"] = [9.81 * math.sin(tilt), -9.81 * math.cos(tilt), 0.0][:dimensions]
+    plain["liquid"]["density"] = 1000.0
+    for one in plain["particles"]:
+        one["density"] = min(1000.0 + 1e-4 * modulus / 9.81 / radius, 9e4) * (1.0 if dice.random() < 0.8 else 0.5)
+
+
+def add_driven_species(dice, plain):
+    """A force and a torque on one species of a cell: it moves through the other."""
+    if "cell" not in plain or plain["hydrodynamics"]["drag"] != "stokes":
+        return
+    radius, modulus, dimensions = scales_of_lists(plain)
+    one = plain["particles"][0]
+    strength = modulus * radius**2 * float(10.0 ** dice.uniform(-6, -4))
+    one["force"] = (strength * dice.normal(size=dimensions)).tolist()
+    if plain["rotation"]:
+        one["torque"] = (0.3 * strength * radius * dice.normal(size=1 if dimensions == 2 else 3)).tolist()
+
+
+def add_squeezing(dice, plain):
+    """A cluster between two walls that approach it or shear it."""
+    if "cell" in plain or plain.get("walls") or plain["hydrodynamics"]["drag"] == "none":
+        return
+    radius = max(one["radius"] for one in plain["particles"])
+    heights = [place[1] for one in plain["particles"] for place in one["positions"]]
+    low, high = min(heights) - 1.1 * radius, max(heights) + 1.1 * radius
+    speed = 0.05 * radius / plain["duration"]
+    dimensions = len(plain["particles"][0]["positions"][0])
+    along = [[0.0, -speed, 0.0], [3.0 * speed, 0.0, 0.0]][int(dice.random() < 0.5)][:dimensions]
+    plain["walls"] = [{"side": "bottom", "position": low}, {"side": "top", "position": high, "velocity": along}]
+
+
+OPTIONS = (
+    add_name_of_liquid, add_prefactors, add_drops, add_share, add_list_of_radii, add_wide_gaps, add_preparation,
+    add_permeation, add_glued, add_stages, add_sides, add_weight, add_driven_species, add_squeezing,
+)  # fmt: skip
+"""In the order in which they are added."""
+
+
 def explicit(scene):
     """The same scene with all places and radii given. Raises SceneError."""
-    parameters = SOFT.parameters(scene)
-    state = SOFT.start(scene, parameters)
     plain, first = to_plain(scene), 0
-    from ecume.models.soft.setup import places
-
+    preparation = plain.pop("preparation", None)
+    if preparation is not None:
+        scene = from_plain(plain)
+    parameters = SOFT.parameters(scene)
+    if preparation is None:
+        SOFT.start(scene, parameters)
     position = places(scene, parameters)
     for one in plain["particles"]:
         count = one.pop("count", None) or len(one["positions"])
-        for key in ("sizes", "radii"):
+        for key in ("sizes", "radii", "volume_share"):
             one.pop(key, None)
         last = first + count
         one["radius"], one["positions"] = parameters.radius[first:last].tolist(), position[first:last].tolist()
         first = last
     if scene.cell is not None:
         plain["cell"] = {"size": list(sides_of(scene))}
-    del state
-    return plain
+    return plain if preparation is None else plain | {"preparation": preparation}
 
 
 def reordered(plain, dice):
@@ -311,16 +531,17 @@ def copied(state):
     return state._replace(**{name: value.copy() for name, value in state._asdict().items() if hasattr(value, "copy")})
 
 
-def run(scene, state=None, keep=()):
-    """The frames of a scene, and copies of the state at the given frames."""
+def run(scene, state=None, keep=(), limit=math.inf):
+    """The frames of a scene, and copies of the state at the given frames. Raises Slow after `limit` s of processor."""
     frames, states = [], {}
+    end = time.process_time() + limit
     for moment in moments(scene, state=state):
         if moment.frame is not None:
             if len(frames) in keep:
                 states[len(frames)] = copied(moment.state)
             frames.append(moment.frame)
-        if moment.taken > MOST_STEPS:
-            raise Slow
+        if moment.taken > MOST_STEPS or time.process_time() > end:
+            raise Slow(f"stopped at {frames[-1].time / scene.duration:.0%} after {moment.taken} steps")
     return frames, states
 
 
@@ -333,14 +554,10 @@ def faults(scene, frames):
         found["balance"] = worst
     if not all(np.isfinite(value).all() for frame in frames for value in (frame.arrays["position"],)):
         found["finite"] = math.nan
-    if scene.cell is not None and scene.protocol:
-        stage = scene.protocol[0]
-        for name in ("shear_stress", "normal_stress", "pressure"):
-            wanted = getattr(stage, name)
-            if wanted is not None:
-                missing = max(abs(frame.numbers[name] / wanted - 1.0) for frame in frames)
-                if not missing < 1e-6:
-                    found[name] = missing
+    for name in ("shear_stress", "normal_stress", "pressure"):
+        missing = missed_stress(scene, frames, name)
+        if not missing < 1e-6:
+            found[name] = missing
     if scene.cell is not None and not scene.walls and scene.rotation and scene.hydrodynamics.drag == "none":
         for frame in frames:
             tensor = stress_tensor(frame)
@@ -353,6 +570,29 @@ def faults(scene, frames):
     if not missing < error_of_scene(scene):
         found["power"] = missing
     return found
+
+
+def imposed(scene, name, time):
+    """The stress of that name that the protocol of a cell imposes at a time; None where it follows."""
+    others, value, wave = next(group for group in EXCLUSIVE if name in group), None, None
+    for stage in scene.protocol if scene.cell is not None and not scene.walls else ():
+        if stage.time > time:
+            break
+        wave = (stage.oscillation, stage.time) if stage.oscillation is not None else None
+        if any(getattr(stage, other) is not None for other in others):
+            value = getattr(stage, name)
+    if value is not None and wave and name == "shear_stress":
+        spec, began = wave
+        value += spec.stress * math.sin(2.0 * math.pi * spec.frequency * (time - began))
+    return value
+
+
+def missed_stress(scene, frames, name):
+    """The largest error of an imposed stress, over the largest that is imposed, or over what rounding is 1e-6 of."""
+    wanted = [(imposed(scene, name, frame.time), frame.numbers.get(name)) for frame in frames]
+    pairs = [(value, got) for value, got in wanted if value is not None]
+    scale = max((abs(value) for value, _ in pairs), default=0.0) or 1e6 * rounding_of(scene)["pressure"]
+    return max((abs(got - value) / scale for value, got in pairs), default=0.0)
 
 
 SHARED = ("dissipated_work", "total_energy", "smallest_gap", "largest_compression", "shear_stress", "pressure")
@@ -397,7 +637,7 @@ def unlike(scene, ours, theirs, matrix=None, order=None):
     return max(found, float(np.abs(moved - others).max()) / max(one.radius for one in scene.particles))
 
 
-def outcome(seed, drawing=draw):
+def outcome(seed, drawing=draw, limit=math.inf):
     """How the run of a random scene ends, and what it does not keep: a word, and a table."""
     dice = np.random.default_rng(seed)
     plain = drawing(dice)
@@ -409,9 +649,9 @@ def outcome(seed, drawing=draw):
         except SceneError as error:
             return "refused", {"reason": str(error)}
         try:
-            frames, states = run(scene, keep=(2,))
-        except Slow:
-            return "slow", {}
+            frames, states = run(scene, keep=(2,), limit=limit)
+        except Slow as error:
+            return "slow", {"reason": str(error)}
         except (Diverged, EcumeError) as error:
             return "ended", {"reason": str(error)}
         found = faults(scene, frames)
@@ -437,19 +677,21 @@ def outcome(seed, drawing=draw):
     return "done", found
 
 
-def main(first, last):
-    """Print how many scenes of a range of seeds ran, and what those did not keep."""
+def main(first, last, limit):
+    """Print how the scene of each seed of a range ends, and how many ended so, by kind."""
     counts = Counter()
     for seed in range(first, last):
-        began = time.perf_counter()
-        word, found = outcome(seed)
+        began = time.process_time()
+        try:
+            word, found = outcome(seed, drawn, limit)
+        except Exception:  # a fault of the model, or of these tests
+            word, found = "traceback", {"reason": traceback.format_exc(limit=-3)}
         counts[word] += 1
         for name in found:
             counts[f"{word}: {name}"] += 1
-        if word != "done" or found:
-            print(seed, word, found, round(time.perf_counter() - began, 1), flush=True)
+        print(seed, word, found, f"{time.process_time() - began:.1f} s", flush=True)
     print(dict(counts), flush=True)
 
 
 if __name__ == "__main__":
-    main(*(int(word) for word in sys.argv[1:3]))
+    main(int(sys.argv[1]), int(sys.argv[2]), float(sys.argv[3]))
