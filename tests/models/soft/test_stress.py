@@ -331,6 +331,16 @@ def test_a_corner_at_the_time_of_a_frame_is_at_the_frame(turn):
     assert next_turn(at_frames(protocol_of(stages), 1000, tick, math.inf), 0.2) == turn
 
 
+@pytest.mark.parametrize(("first", "second"), [(0.3, 0.1 + 0.2), (0.1 + 0.2, 0.3)])
+def test_times_that_differ_by_rounding_are_a_jump(first, second):
+    """The strain between them was lost without a word: no step is as short as 6e-17 s. The other order was refused."""
+    stages = [{"time": 0.0, "strain": 0.0}, {"time": first, "strain": 0.0}, {"time": second, "strain": 0.05}]
+    protocol = protocol_of(packing(protocol=stages).protocol)
+    assert drive_at(protocol, 0.2).strain == 0.0
+    assert drive_at(protocol, 0.31).strain == 0.05
+    assert protocol.jumps.tolist() == [0, 1]
+
+
 def test_a_box_that_a_stress_tears_apart_ends_with_a_word():
     with pytest.raises(Exception, match=r"but not as large a one; reduce it|no step is short enough"):
         list(simulate(stressed([{"time": 0.0, "normal_stress": -10.0}])))

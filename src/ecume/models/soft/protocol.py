@@ -11,14 +11,11 @@ import numpy as np
 
 from ecume.engine.cells import Integers
 from ecume.scenes.soft import StageSpec, expanded
+from ecume.scenes.soft.protocol import SAME
 from ecume.units import Array
 
 LOAD, STRAIN, SCALE, HEIGHT, SHEAR, NORMAL, WALL_SHEAR = range(7)
 """Rows of `Protocol.courses`."""
-
-
-SAME = 1e-12
-"""The relative difference below which times are equal."""
 
 
 class Protocol(NamedTuple):
@@ -145,7 +142,9 @@ class ProtocolState(NamedTuple):
 
 
 def protocol_of(stages: Sequence[StageSpec]) -> Protocol:
-    """The moments of a scene as intervals."""
+    """The moments of a scene as intervals. Moments within rounding of each other are a jump: `at_frames` may move both
+    to one frame.
+    """
     stages = expanded(stages)
     if not stages or stages[0].time > 0.0:
         first = stages[0] if stages else StageSpec(time=0.0)
@@ -155,7 +154,7 @@ def protocol_of(stages: Sequence[StageSpec]) -> Protocol:
     for stage, following in itertools.zip_longest(stages, stages[1:]):
         course = begun(course, stage)
         span = math.inf if following is None else following.time - stage.time
-        if span > 0.0:
+        if span > 2.0 * SAME * stage.time:
             slopes = slopes_of(course, following, span)
             rows.append((stage.time, course, slopes, wave_of(stage), jumped(before, course)))
             if following is not None:

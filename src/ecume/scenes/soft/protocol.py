@@ -22,6 +22,8 @@ HeldStrain = Annotated[Number, Field(gt=0.0, le=1e6)]
 StrainRate = Annotated[Rate, Field(ge=-1e9, le=1e9)]
 
 MOST_STRESS = 1e15
+SAME = 1e-12
+"""The relative difference below which times are equal."""
 WHOLE = 1e-9
 """The largest deviation of a number of cycles from an integer."""
 
@@ -179,7 +181,7 @@ def protocol_faults(stages: Sequence[StageSpec], dimensions: int, boxed: bool) -
     found: Complaints = [
         ((index, "time"), f"got {later.time:g} s, before {earlier.time:g} s; expected times that ascend")
         for index, (earlier, later) in enumerate(itertools.pairwise(stages), 1)
-        if later.time < earlier.time
+        if later.time < earlier.time * (1.0 - SAME)
     ]
     for index, stage in enumerate(stages):
         given = [name for name in OF_BOX if getattr(stage, name) is not None]
