@@ -9,14 +9,16 @@ from __future__ import annotations
 import csv
 import math
 import sys
+from collections.abc import Iterator
 from pathlib import Path
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from ecume._quick import folder_of, parser_of, sized
 from ecume.analysis.rheology import over_seeds, steady_state
-from ecume.analysis.series import Mean
-from ecume.simulation import simulate
+from ecume.analysis.series import Mean, number, series, steady_mean
+from ecume.simulation import moments
 from ecume.trajectories.frame import Frame
 from ecume_validation.rheology import sheared
 
@@ -29,51 +31,66 @@ RATE = 0.8
 STRAINS = sized({12: 6.0, 24: 4.0, 60: 10.0, 240: 8.0, 960: 4.0}, {12: 0.5})
 """After the pre-shear, by the number of spheres."""
 SEEDS = sized({12: (1,), 24: (1,), 60: (1, 2, 3), 240: (1,), 960: (1,)}, {12: (1,)})
+LATER = 1e-4
+"""Strain by which the stress begins after the last state of the flow at a rate: that state does not know it."""
 FRAMES, TRANSIENT = 60, 0.2
 """Frames per unit of strain; the first part of creep, which is not counted."""
 
 
-def frames_of(spheres: int, seed: int, rate: float, stress: float | None = None) -> list[Frame]:
-    """A pre-shear, and then a flow at the rate (1/s), or at a stress (N/m)."""
-    strain = STRAINS[spheres]
-    after = {"time": 1.0 / rate, "scale": math.sqrt(START / FRACTION)}
-    protocol = [{"time": 0.0, "shear_rate": rate}, after if stress is None else after | {"shear_stress": stress}]
-    changes = [f"cell.volume_fraction={START}"]
-    found = simulate(sheared(spheres, seed, protocol, (1.0 + strain) / rate, round(FRAMES * (1.0 + strain)), changes))
-    return [frame for frame in found if frame.time > 1.0 / rate]
+def protocol_of(rate: float, strain: float, stress: float | None) -> list[dict[str, float]]:
+    """A pre-shear that compresses the packing, a flow at the rate (1/s), and then one at a stress (N/m)."""
+    found = [{"time": 0.0, "shear_rate": rate}, {"time": 1.0 / rate, "scale": math.sqrt(START / FRACTION)}]
+    return found if stress is None else [*found, {"time": (1.0 + strain + LATER) / rate, "shear_stress": stress}]
 
 
-def measured(spheres: int, seed: int, rate: float) -> tuple[Mean, float, float]:
-    """The mean stress at the given rate, its standard deviation over the mean, and the mean rate at this stress over
-    the given rate.
-    """
-    stresses = np.array([frame.numbers["shear_stress"] for frame in frames_of(spheres, seed, rate)])
-    steady = steady_state(stresses)
-    creeping = frames_of(spheres, seed, rate, steady.mean.value)
-    first, last = creeping[round(TRANSIENT * len(creeping))], creeping[-1]
-    crept = (last.numbers["strain"] - first.numbers["strain"]) / (last.time - first.time)
-    return steady.mean, float(stresses[steady.first :].std()) / steady.mean.value, crept / rate
+def flow(spheres: int, seed: int, rate: float, strain: float, stress: float | None = None, state: Any = None,
+         ) -> Iterator[tuple[Frame, Any]]:  # fmt: skip
+    """The frames of a flow at the rate after the pre-shear or, from its last state on, at a stress, with the states."""
+    spans = 1.0 + strain if stress is None else 1.0 + 2.0 * strain
+    protocol, changes = protocol_of(rate, strain, stress), [f"cell.volume_fraction={START}"]
+    scene = sheared(spheres, seed, protocol, spans / rate, round(FRAMES * spans), changes)
+    for moment in moments(scene, state=state):
+        if moment.frame is not None and moment.frame.time > 1.0 / rate:
+            yield moment.frame, moment.state
 
 
-def main(sizes: list[int], rate: float) -> None:
+class Measured(NamedTuple):
+    """A flow at a rate, and one at its mean stress."""
+
+    stress: Mean
+    """at the rate, with its error from block means (N/m)"""
+    fluctuation: float
+    """the standard deviation of this stress over its mean"""
+    ratio: Mean
+    """the mean rate at this stress, over the given one, with its error from block means"""
+
+
+def measured(spheres: int, seed: int, rate: float, strain: float) -> Measured:
+    """Both flows, each over this strain at the given rate."""
+    stresses, state = [], None
+    for frame, state in flow(spheres, seed, rate, strain):  # noqa: B007  # the last one goes on
+        stresses.append(frame.numbers["shear_stress"])
+    steady = steady_state(np.array(stresses))
+    time, strains = series(
+        (frame for frame, _ in flow(spheres, seed, rate, strain, steady.mean.value, state)),
+        lambda frame: frame.time,
+        number("strain"),
+    )
+    rates = (np.diff(strains) / np.diff(time))[round(TRANSIENT * len(time)) :] / rate
+    fluctuation = float(np.std(stresses[steady.first :])) / steady.mean.value
+    return Measured(steady.mean, fluctuation, steady_mean(rates))
+
+
+def main(sizes: list[int], rate: float, strain: float | None) -> None:
     """Add a row for each seed, and print the mean over seeds of each size."""
     for spheres in sizes:
-        ratios = []
-        for seed in SEEDS[spheres]:
-            stress, fluctuation, ratio = measured(spheres, seed, rate)
-            ratios.append(Mean(ratio, 0.0))
-            row = [
-                spheres,
-                rate,
-                seed,
-                f"{stress.value:.5g}",
-                f"{stress.error:.2g}",
-                f"{fluctuation:.3g}",
-                f"{ratio:.4g}",
-            ]
+        found = [measured(spheres, seed, rate, strain or STRAINS[spheres]) for seed in SEEDS[spheres]]
+        for seed, one in zip(SEEDS[spheres], found, strict=True):
+            row = [spheres, rate, seed, f"{one.stress.value:.5g}", f"{one.stress.error:.2g}",
+                   f"{one.fluctuation:.3g}", f"{one.ratio.value:.4g}", f"{one.ratio.error:.2g}"]  # fmt: skip
             with WRITTEN.open("a", encoding="utf-8", newline="") as file:
                 csv.writer(file, lineterminator="\n").writerow(row)
-        mean = over_seeds(ratios)
+        mean = over_seeds([one.ratio for one in found])
         sys.stdout.write(f"{spheres} spheres: {mean.value:.3f} ± {mean.error:.3f}\n")
 
 
@@ -81,5 +98,6 @@ if __name__ == "__main__":
     parser = parser_of(__doc__)
     parser.add_argument("sizes", metavar="SPHERES", type=int, nargs="*", default=[min(STRAINS)])
     parser.add_argument("--rate", type=float, default=RATE, help="shear rate (1/s)")
+    parser.add_argument("--strain", type=float, help="strain of each flow (by default from the number of spheres)")
     asked = parser.parse_args()
-    main(asked.sizes, asked.rate)
+    main(asked.sizes, asked.rate, asked.strain)
