@@ -17,6 +17,7 @@ import shutil
 import subprocess
 import sys
 import tempfile
+from importlib import import_module
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -43,7 +44,7 @@ EDITS = (
     Edit("a constant of a law: drag", "laws/drag.py", "1.0 + 0.15 * math.pow", "1.0 + 0.1501 * math.pow"),
     Edit("a further constant: capillarity", "laws/capillarity.py", "import math\n", "import math\n\nUNUSED = 1.0\n"),
     Edit("a formula: a film", "laws/soft_pair.py", " * contact_size**2 / gap\n", " / gap * contact_size**2\n"),
-    Edit("a formula: a kernel", "laws/kernels.py", "(left * left) * (1.0 + 2.0 * q)", "left * left * (2.0 * q + 1.0)"),
+    Edit("a formula: kernel of tanks", "laws/kernels.py", "-5.0 * (left * left * left)", "left * left * left * -5.0"),
     Edit("a docstring: contacts", "models/floating/contacts/collisions.py", '"""', '"""Edited. '),
     Edit("a tolerance: contacts", "engine/contact/impulse_solvers.py", "STALLS = 128", "STALLS = 127"),
     Edit("a figure", "show/floating/figures.py", '"""', '"""Edited. '),
@@ -58,6 +59,9 @@ class Compiled(NamedTuple):
 
     name: str
     """of its cache: kind and function"""
+    module: str
+    options: str
+    """of its decorator: one function may be compiled in several ways"""
     signature: Any
     key: str
     seconds: float
@@ -92,7 +96,7 @@ def record(scene: str, place: str) -> None:
 
     def noted(self: Any, signature: Any, result: Any) -> None:
         if (key := self.file_name(signature, result.codegen)) is not None:
-            found.append(Compiled(self._name, dumps(signature), key, last[0]))
+            found.append(Compiled(self._name, self._function.__module__, self._options, dumps(signature), key, last[0]))
 
     event.register("numba:compile", Listener())
     _parts.DiskCache.save_overload = noted  # type: ignore[method-assign]
@@ -106,18 +110,17 @@ def derive(place: str) -> None:
     """Print the keys that the recorded functions have now; null for those that are gone."""
     from numba.core.registry import cpu_target
 
-    import ecume.models  # noqa: F401  # for the functions
     from ecume import _parts
-    from ecume.models import MODELS
 
-    for model in MODELS.values():
-        assert model
-    caches = {one._name: one for one in gc.get_objects() if isinstance(one, _parts.DiskCache)}
+    recorded = [Compiled(*one) for one in pickle.loads(Path(place).read_bytes())]  # written by `record`
+    for one in recorded:
+        import_module(one.module)
+    caches = {(each._name, each._options): each for each in gc.get_objects() if isinstance(each, _parts.DiskCache)}
     codegen = cpu_target.target_context.codegen()
     keys = []
-    for name, signature, _, _ in pickle.loads(Path(place).read_bytes()):  # written by `record`
+    for one in recorded:
         try:
-            keys.append(caches[name].file_name(pickle.loads(signature), codegen))
+            keys.append(caches[one.name, one.options].file_name(pickle.loads(one.signature), codegen))
         except Exception:  # a type that the edit changed
             keys.append(None)
     print(json.dumps(keys))
