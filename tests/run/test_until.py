@@ -43,7 +43,7 @@ def test_a_run_ends_at_the_first_frame_that_meets_its_condition(tmp_path: Path, 
     assert done.until in summary(done)
     assert verify(tmp_path / "run", deep=True).sound
     assert resume(tmp_path / "run")._replace(seconds=0.0) == done._replace(seconds=0.0, integrating=None)
-    assert ("ends", condition) in described(info(tmp_path / "run"))
+    assert ("ends", f"{condition}; met") in described(info(tmp_path / "run"))
 
 
 @pytest.mark.parametrize("after", [1, 3])
@@ -77,6 +77,7 @@ def test_a_run_that_is_damaged_afterwards_ends_there_again(tmp_path: Path, scene
 def test_a_condition_that_is_never_met_leaves_the_duration(tmp_path: Path, scene: Scenes) -> None:
     done = run(scene(), tmp_path / "run", options=RunOptions(until="kinetic_energy < -1"))
     assert (done.early, done.frames, done.until) == (False, 51, "kinetic_energy < -1")
+    assert ("ends", "kinetic_energy < -1; not met before the end") in described(info(tmp_path / "run"))
 
 
 def test_a_condition_that_the_start_meets_ends_nothing_before_it_is_left(tmp_path: Path, scene: Scenes) -> None:
@@ -149,3 +150,11 @@ def test_a_series_is_stationary_only_after_its_transient(seed: int, decay: float
 def test_a_series_that_drifts_is_never_stationary() -> None:
     assert ended("stationary stress", list(np.linspace(0.0, 1.0, 500))) is None
     assert ended("stationary stress", [float("nan")] * 500) is None
+
+
+@pytest.mark.parametrize("value", [0.0, 3.0])
+def test_a_series_that_has_not_begun_to_change_is_not_stationary(value: float) -> None:
+    """A stress is zero until the first contact."""
+    assert ended("stationary stress", [value] * 500) is None
+    noise = np.random.default_rng(1).normal(size=2000)
+    assert ended("stationary stress", [value] * 100 + list(value + 1.0 + 0.1 * noise)) is not None

@@ -110,3 +110,38 @@ def test_points_of_an_experiment_below_all_curves_are_not_at_the_edge(tmp_path):
     low, high = axes.get_ylim()
     assert low < -2.2
     assert high > 9.2
+
+
+@pytest.mark.parametrize(
+    ("end", "unit", "seconds"),
+    [
+        (2e-6, "µs", 1e-6),
+        (0.05, "ms", 1e-3),
+        (20.0, "s", 1.0),
+        (1800.0, "min", 60.0),
+        (8e4, "h", 3600.0),
+        (1e6, "d", 86400.0),
+    ],
+)
+def test_times_have_a_suitable_unit_and_round_ticks(end, unit, seconds):
+    made = figure(6.4, 4.0)
+    axes = made.add_subplot(xlabel="time (s)", ylabel="pressure (kPa)")
+    axes.plot(end * TIME / TIME[-1], TIME)
+    axes.set_xlim(0.0, end)
+    finished(made, Finish())
+    made.draw_without_rendering()
+    assert axes.get_xlabel() == f"time ({unit})"
+    assert curves_of(axes)[0].line.get_xdata()[-1] == end
+    for text in axes.get_xticklabels():
+        assert float(text.get_text()) * seconds == pytest.approx(text.get_position()[0])
+        assert len(text.get_text()) <= 4
+    assert 3 < len(axes.get_xticklabels()) < 15
+
+
+def test_lengths_and_logarithms_stay_as_they_are():
+    made = figure(6.4, 4.0)
+    length, lag = made.subplots(1, 2)
+    length.set(xlabel="height (m)", xlim=(0.0, 1e-3))
+    lag.set(xlabel="lag (s)", xscale="log", xlim=(1e-3, 1e5))
+    finished(made, Finish())
+    assert (length.get_xlabel(), lag.get_xlabel()) == ("height (m)", "lag (s)")

@@ -441,7 +441,7 @@ def described(run: Info) -> list[tuple[str, str]]:
         ("actions", ", ".join(action["name"] for action in run.manifest.get("actions", []))),
         ("state", f"{run.state}, {ahead(run.remaining)}" if run.remaining is not None else run.state),
         ("simulated", f"{run.time:.6g} s of {run.duration:.6g} s"),
-        ("ends", run.manifest.get("until", "")),
+        ("ends", _ends(run)),
         ("imported", f"from {imported}" if imported else ""),
         ("steps", "" if imported else str(run.step) if run.steps is None else f"{run.step} of {run.steps}"),
         ("frames", str(run.frames)),
@@ -454,6 +454,14 @@ def described(run: Info) -> list[tuple[str, str]]:
         ("remark", run.why),
     ]
     return [(name, value) for name, value in rows if value]
+
+
+def _ends(run: Info) -> str:
+    """The condition of a run, and whether it has ended it."""
+    condition = str(run.manifest.get("until", ""))
+    if not condition or run.state != "done":
+        return condition
+    return f"{condition}; {'met' if run.early else 'not met before the end'}"
 
 
 def _wall_time(sessions: Sequence[dict[str, Any]]) -> str:

@@ -21,7 +21,7 @@ from ecume.run.manifest import circumstances
 from ecume.run.verification import repaired
 from ecume.trajectories.frame import Frame
 from ecume.trajectories.reader import Trajectory, open_trajectory
-from ecume.trajectories.records import FAILED, STATUS, manifest_at, scene_at, storing
+from ecume.trajectories.records import DONE, FAILED, STATUS, manifest_at, scene_at, storing
 from ecume.trajectories.segments import Repaired
 
 
@@ -104,6 +104,8 @@ class Info(NamedTuple):
     manifest: dict[str, Any]
     watch: str = ""
     """A line on the invariants of the run."""
+    early: bool = False
+    """Whether its condition ended it before its duration."""
 
     def _repr_html_(self) -> str | None:
         """The notebook view: the player of `ecume view`, in at most 4 MB."""
@@ -132,6 +134,7 @@ def info(directory: str | os.PathLike[str]) -> Info:
         remaining=status.get("remaining") if state == "running" else None,
         manifest=manifest_of(home),
         watch=watch,
+        early=state == "done" and _read(lambda: bool(read(home, home.done, DONE).get("early")), False, home)[0],
     )
 
 

@@ -49,8 +49,9 @@ class Condition(NamedTuple):
     def met(self, values: list[float]) -> bool:
         """Whether the values of all frames so far meet it. A number crosses a bound from one frame to the next: floats
         that start at rest have not come to rest. A series is stationary if its transient, as `steady_state` detects it,
-        is its first third at most, and both halves of the rest agree within three standard errors. It is tested at
-        `FEWEST` frames, and then whenever their number has grown by a tenth.
+        is its first third at most, and both halves of the rest agree within three standard errors. One that still has
+        its first value has not begun to change. It is tested at `FEWEST` frames, and then whenever their number has
+        grown by a tenth.
 
         >>> read_condition("top > 2").met([1.0, 3.0]), read_condition("top < 2").met([1.0])
         (True, False)
@@ -60,7 +61,7 @@ class Condition(NamedTuple):
         if not self.stationary:
             beyond = [value < self.bound if self.below else value > self.bound for value in values[-2:]]
             return beyond == [False, True]
-        if not _tested(len(values)) or not np.isfinite(values).all():
+        if not _tested(len(values)) or not np.isfinite(values).all() or min(values) == max(values):
             return False
         found = steady_state(np.array(values))
         short = 3 * found.first <= len(values)

@@ -24,6 +24,7 @@ from matplotlib.figure import Figure
 from matplotlib.legend import Legend
 from matplotlib.lines import Line2D
 from matplotlib.text import Text
+from matplotlib.ticker import FuncFormatter, MaxNLocator
 
 from ecume.errors import BadInput
 from ecume.scenes.faults import echo
@@ -54,7 +55,11 @@ LEAST = 0.03
 
 
 def finished(drawn: Figure, finish: Finish) -> Figure:
-    """The same figure with this width, its sides in the same ratio. Raises BadInput if panels have no room."""
+    """The same figure with this width, its sides in the same ratio, and times in a suitable unit. Raises BadInput if
+    panels have no room.
+    """
+    for axes in drawn.axes:
+        _show_times(axes)
     if finish.width is not None:
         if finish.width < LEAST:
             raise BadInput(
@@ -71,6 +76,62 @@ def finished(drawn: Figure, finish: Finish) -> Figure:
                 axes.set_title("", loc=place)
         drawn.suptitle("")
     return drawn
+
+
+class TimeUnit(NamedTuple):
+    """A unit of an axis over time."""
+
+    least: float
+    """The least time (s) at the end of an axis for which it is used."""
+    name: str
+    seconds: float
+    steps: tuple[float, ...] = (1, 2, 2.5, 5, 10)
+    """between ticks, over a power of 10"""
+
+
+SIXTIETHS = (1, 1.5, 2, 3, 6, 10)
+TIME_UNITS = (
+    TimeUnit(172800.0, "d", 86400.0),
+    TimeUnit(10800.0, "h", 3600.0, SIXTIETHS),
+    TimeUnit(600.0, "min", 60.0, SIXTIETHS),
+    TimeUnit(0.1, "s", 1.0),
+    TimeUnit(1e-4, "ms", 1e-3),
+    TimeUnit(1e-7, "µs", 1e-6),
+    TimeUnit(0.0, "ns", 1e-9),
+)
+
+
+def time_unit(longest: float) -> TimeUnit:
+    """The unit in which an axis that ends at this time (s) is read.
+
+    >>> [time_unit(each).name for each in (3e-6, 0.03, 5.0, 1800.0, 86400.0, 1e6)]
+    ['µs', 'ms', 's', 'min', 'h', 'd']
+    """
+    return next(unit for unit in TIME_UNITS if longest >= unit.least)
+
+
+class _TimeLocator(MaxNLocator):
+    """Ticks at round numbers of a unit, on an axis in seconds."""
+
+    def __init__(self, unit: TimeUnit) -> None:
+        super().__init__(nbins="auto", steps=list(unit.steps))
+        self._unit = unit
+
+    def tick_values(self, vmin: float, vmax: float) -> Any:
+        """The ticks (s) between two times."""
+        seconds = self._unit.seconds
+        return np.asarray(super().tick_values(vmin / seconds, vmax / seconds)) * seconds
+
+
+def _show_times(axes: Axes) -> None:
+    """Label a linear axis over seconds in a suitable unit; the data stay in seconds."""
+    label = axes.get_xlabel()
+    unit = time_unit(max(map(abs, axes.get_xlim())))
+    if not label.endswith(" (s)") or axes.get_xscale() != "linear" or unit.name == "s":
+        return
+    axes.set_xlabel(f"{label.removesuffix('(s)')}({unit.name})")
+    axes.xaxis.set_major_locator(_TimeLocator(unit))
+    axes.xaxis.set_major_formatter(FuncFormatter(lambda tick, _: f"{tick / unit.seconds:.9g}"))
 
 
 NARROW = 0.12
