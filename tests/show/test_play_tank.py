@@ -14,7 +14,7 @@ import ecume
 from ecume.cli import app
 from ecume.errors import BadInput
 from ecume.scenes.load import load_scene
-from ecume.scenes.sph import ObstacleSpec
+from ecume.scenes.sph import GaugeSpec, ObstacleSpec
 from ecume.scenes.templates import folder
 from ecume.scenes.writing import to_toml
 from ecume.show.play import tank as playing
@@ -280,6 +280,18 @@ def test_the_saved_scene_goes_on_from_here(tank):
     tank.integration.state.ready[0] = 0  # the scene begins with the forces beside a side at rest; here it still moved
     tank.play(1 / 60)
     assert places_of(tank)[order] == pytest.approx(simulated(scene, tank).arrays["position"], abs=1e-3)
+
+
+def test_a_gauge_in_the_wall_is_not_saved(tank):
+    """A scene with a gauge outside of its tank cannot be loaded."""
+    gauges = (
+        GaugeSpec(name="near", position=(0.05, 0.3)),
+        GaugeSpec(name="far", position=(0.05, 0.2), end=(2.0, 0.2), count=2),
+    )
+    tank.scene = dataclasses.replace(tank.scene, gauges=(*gauges, GaugeSpec(name="in", position=(0.5, 0.3))))
+    assert len(tank.present().gauges) == 3
+    tank.push = Push(places=(0.1,))
+    assert [gauge.name for gauge in load_scene(to_toml(tank.present())).gauges] == ["in"]
 
 
 def test_a_full_tank_can_be_saved_and_read_again(tank):

@@ -19,7 +19,15 @@ from ecume.scenes.templates import folder
 from ecume.show.play.alone import alone, refusal, save_alone
 from ecume.show.play.memory import slots, types_of
 from ecume.show.play.tank import Push, Tank, fixed, require_playable, tilting, with_hands
-from ecume.show.play.tank_alone import arguments_in, divided, drops_of, offered_tank, parameters_of, tank_arguments
+from ecume.show.play.tank_alone import (
+    arguments_in,
+    divided,
+    drops_of,
+    gauges_of,
+    offered_tank,
+    parameters_of,
+    tank_arguments,
+)
 from ecume.show.play.tank_steps import (
     advance,
     lean,
@@ -193,10 +201,15 @@ def test_tanks_in_space_are_refused():
     assert "2D" in refusal(scene_of("dam-break-3d"))
 
 
+GAUGES = {"near": 0.01, "far": 2.0}
+"""The left wall passes the first one."""
+
+
 @pytest.fixture(scope="module")
 def page(tmp_path_factory):
     written = tmp_path_factory.mktemp("page") / "tank.html"
-    written.write_text(alone(scene_of("small-tank", 'spacing = "6 cm"')), encoding="utf-8")
+    gauges = "gauges = [" + ", ".join(f'{{name = "{name}", position = [{x}, 0.3]}}' for name, x in GAUGES.items()) + "]"
+    written.write_text(alone(scene_of("small-tank", 'spacing = "6 cm"', gauges)), encoding="utf-8")
     return written
 
 
@@ -304,7 +317,8 @@ def test_a_wave_is_made_and_what_is_pushed_is_saved_as_a_tank_to_play_with(page)
     assert 0.0 < seen[-1]["wall"] < 0.1 * 2.4
     assert seen[-1]["wall"] > seen[3]["wall"]
     saved = load_scene(text)
-    assert saved.tank.low[0] == pushed["wall"] > 0.0
+    assert saved.tank.low[0] == pushed["wall"] > GAUGES["near"]
+    assert [gauge.name for gauge in saved.gauges] == ["far"]
     assert refusal(saved) == ""
     require_playable(saved)
 
@@ -314,6 +328,15 @@ def test_the_place_of_the_left_wall_can_be_written_into_the_scene_of_any_tank(le
     before, after = divided(load_scene(POOL, [f"tank.low=[{left}, 0.0]"]))
     liquid = "\n[[fluid]]\nlow = [0.38, 0.0]\nhigh = [0.4, 0.1]\n"
     assert load_scene(f"{before}{left + 0.125}{after}{liquid}").tank.low == (left + 0.125, 0.0)
+
+
+def test_the_tables_of_gauges_are_apart():
+    places = ", ".join(f'{{name = "{name}", position = [{x}, 0.3]}}' for name, x in GAUGES.items())
+    scene = scene_of("small-tank", f"gauges = [{places}]")
+    assert "gauges" not in "".join(divided(scene))
+    liquid = "[[fluid]]\nlow = [0.0, 0.0]\nhigh = [0.5, 0.2]\n"
+    again = load_scene("".join([str(-1.0).join(divided(scene)), *gauges_of(scene), liquid]))
+    assert again.gauges == scene.gauges
 
 
 def test_the_page_of_a_tank_is_small(tmp_path):

@@ -25,7 +25,8 @@ interface Liquid {
 interface Basins {
   slots: Slot[][]; // for each number of open gates
   solids: [number, number][][][];
-  scenes: [string, string][]; // TOML without liquid and tilt, before and behind the place of the left wall
+  scenes: [string, string][]; // TOML without liquid, gauges and tilt, before and behind the place of the left wall
+  gauges: [number, string][]; // the left end of each, and its table: none may be in the wall
   movable: boolean; // whether that wall is
   hurry: number; // its largest speed, over the maximum speed
   pushed: number; // its largest displacement, over the width
@@ -409,7 +410,8 @@ class Pool {
     const leans = this.leaning === 0 ? "" : `[base_excitation]\ntimes = [0.0]\naccelerations = [[${right}, ${up}]]\n`;
     const [before, after] = told.scenes[this.opened];
     const left = told.low[0] + (Math.abs(basin.wall) > STILL * this.width ? basin.wall : 0);
-    return before + left + after + tables.join("") + leans;
+    const gauges = told.gauges.filter(([x]) => x >= left).map(([, table]) => `${table.trimEnd()}\n\n`);
+    return before + left + after + gauges.join("") + tables.join("") + leans;
   }
 
   /** So many steps at once, and what there is then, for tests: places, and energies as `ecume.models.sph` has them. */

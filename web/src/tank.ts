@@ -146,8 +146,9 @@ class Pool extends Toy<Poured> {
       leaning.value = String(degrees);
       this.tiltedBy(Number(leaning.value));
       this.leans++;
-      await this.act("lean", { angle: Number(leaning.value) * DEGREE });
+      const leans = await this.act("lean", { angle: Number(leaning.value) * DEGREE });
       this.leans--;
+      if (!leans && !this.leans && this.seen) this.tiltedBy(this.seen.tilt / DEGREE);
     };
     leaning.addEventListener("input", () => void lean(Number(leaning.value)));
     leaning.addEventListener("dblclick", () => void lean(0));

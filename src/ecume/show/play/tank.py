@@ -23,7 +23,15 @@ from ecume.models.sph.setup.building import material_of
 from ecume.models.sph.setup.choices import acoustic_damping_of, artificial_viscosity_of
 from ecume.models.sph.setup.shapes import free_of, solids_of
 from ecume.models.sph.state import make_state
-from ecume.scenes.sph import BaseExcitationSpec, MotionSpec, ObstacleSpec, ParticlesSpec, RegionSpec, SphScene
+from ecume.scenes.sph import (
+    BaseExcitationSpec,
+    GaugeSpec,
+    MotionSpec,
+    ObstacleSpec,
+    ParticlesSpec,
+    RegionSpec,
+    SphScene,
+)
 from ecume.show.play.tank_steps import PIECES, tilted
 from ecume.simulation import Integration
 from ecume.units import Array
@@ -103,6 +111,11 @@ def with_hands(scene: SphScene, pushed: float, more: tuple[float, float]) -> Sph
     return dataclasses.replace(
         scene, tank=tank, base_excitation=BaseExcitationSpec(times=(0.0,), accelerations=(more,))
     )
+
+
+def left_end(gauge: GaugeSpec) -> float:
+    """The least x of a gauge (m)."""
+    return min(float(place[0]) for place in (gauge.position, gauge.end) if place is not None)
 
 
 def movable(scene: SphScene) -> bool:
@@ -324,8 +337,11 @@ class Tank:
         """The present scene, from which a simulation can continue, without actions of the player."""
         tank, scene = self.scene.tank, self.scene
         if abs(self.pushed) > STILL * self.width:
+            left = tank.low[0] + self.pushed
             scene = dataclasses.replace(
-                scene, tank=dataclasses.replace(tank, low=(tank.low[0] + self.pushed, *tank.low[1:]))
+                scene,
+                tank=dataclasses.replace(tank, low=(left, *tank.low[1:])),
+                gauges=tuple(gauge for gauge in scene.gauges if left_end(gauge) >= left),  # no gauge in the wall
             )
         if self.leaning != 0.0:
             excitation = BaseExcitationSpec(times=(0.0,), accelerations=(self._pull,))

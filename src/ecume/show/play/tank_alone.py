@@ -39,6 +39,7 @@ from ecume.show.play.tank import (
     STROKE,
     Tank,
     fixed,
+    left_end,
     movable,
     require_playable,
 )
@@ -211,6 +212,7 @@ def offered_tank(scene: SphScene) -> dict[str, Any]:
         "slots": [finite_slots(parameters_of(case), liquid) for case in cases],
         "solids": [[solid_corners(one, case.tank) for one in case.obstacles] for case in cases],
         "scenes": [divided(case) for case in cases],
+        "gauges": [[left_end(gauge), text] for gauge, text in zip(first.gauges, gauges_of(first), strict=True)],
         "movable": movable(scene),
         "hurry": HURRY,
         "pushed": PUSHED,
@@ -235,11 +237,17 @@ def offered_tank(scene: SphScene) -> dict[str, Any]:
 
 
 def divided(scene: SphScene) -> list[str]:
-    """The text of a scene without liquid, before and behind the place of its left wall (m)."""
+    """The text of a scene without liquid and gauges, before and behind the place of its left wall (m)."""
     apart = dataclasses.replace(scene.tank, low=(-1.0 - abs(scene.tank.low[0]), *scene.tank.low[1:]))  # written: not 0
-    text = without_liquid(to_toml(dataclasses.replace(scene, tank=apart)))
+    text = without_liquid(to_toml(dataclasses.replace(scene, tank=apart, gauges=())))
     before, after = re.split(r"(?<=\[tank\]\nlow = \[)[^,]+", text)
     return [before, after]
+
+
+def gauges_of(scene: SphScene) -> list[str]:
+    """The text of each gauge of a scene."""
+    tables = re.split(r"^(?=\[)", to_toml(scene), flags=re.MULTILINE)
+    return [one for one in tables if one.startswith("[[gauges]]")]
 
 
 def without_liquid(text: str) -> str:
