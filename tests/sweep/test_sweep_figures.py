@@ -49,6 +49,7 @@ def test_curves_are_means_with_their_errors():
     np.testing.assert_allclose([np.ptp(one[:, 1]) for one in bars.get_segments()], 2.0)
     assert axes.get_xscale() == "log"
     assert axes.get_xlabel() == "gap (m)"
+    assert axes.get_ylabel() == "time\nmean of 2 runs"
     assert [text.get_text() for text in axes.get_legend().get_texts()] == ["force 1", "force 2"]
 
 

@@ -29,6 +29,8 @@ KINDS = ("curves", "map", "scatter", "fit")
 WIDE = 30.0
 """An axis is logarithmic from this ratio of the largest to the smallest positive value."""
 DASHES = ("-", "--", ":")
+PATH = re.compile(r"[A-Za-z_]\w*(?:\[[0-9]+\])?(?:\.[A-Za-z_]\w*(?:\[[0-9]+\])?)+")
+"""The path of a key in a scene."""
 MOST_CURVES = len(DASHES) * len(PALETTE)
 
 
@@ -44,8 +46,14 @@ class Column(NamedTuple):
 
     @property
     def label(self) -> str:
-        """The label of an axis."""
-        return f"{plain(self.name)} ({self.unit})" if self.unit else plain(self.name)
+        """The label of an axis, in words.
+
+        >>> Column("particles[0].contact_angle", np.ones(1), unit="°").label
+        'contact angle of particles[0] (°)'
+        """
+        table, _, key = self.name.rpartition(".") if PATH.fullmatch(self.name) else ("", "", self.name)
+        words = plain(f"{key} of {table}" if table else key).replace("_", " ").strip()
+        return f"{words} ({self.unit})" if self.unit else words
 
     def at(self, value: float) -> str:
         """A value with its unit, for a legend."""
@@ -174,13 +182,17 @@ def curves(on: Axes, axes: Sequence[Column], measure: Column) -> None:
     and standard errors of repeated points.
     """
     x, *others = by_length(axes)
-    groups = groups_of(x, others)
+    groups, counts = groups_of(x, others), list[int]()
     for (label, mine), (dash, color) in zip(groups, itertools.product(DASHES, PALETTE), strict=False):
         at = np.unique(x.values[mine])
         means, errors = zip(*(_mean(measure.values[mine & (x.values == value)]) for value in at), strict=True)
         bars = errors if np.any(errors) else None
         on.errorbar(at, means, yerr=bars, fmt="o", ls=dash, ms=4, color=color, label=label or None)
+        counts += [int((mine & (x.values == value)).sum()) for value in at]
     _scaled(on, x, measure)
+    if max(counts) > 1:
+        runs = f"{min(counts)} to {max(counts)}" if min(counts) < max(counts) else str(max(counts))
+        on.set_ylabel(f"{measure.label}\nmean of {runs} runs")
     if others:
         legend_outside(on)
 
