@@ -262,6 +262,8 @@ def test_every_format_tells_the_tilt_of_its_box():
         *(xyz.read(f"1\n{comment.format(periodic)}\nA 1 2 0\n") for periodic in ("T T F", "1 1 0", "[True, True]")),
     ]
     assert [(one.sides, one.tilt) for one in found] == [((20.0, 10.0, 1.0), 1.5)] * len(found)
+    single = comment.replace('"', "'").format("T T F")
+    assert xyz.read(f"1\n{single}\nA 1 2 0\n").sides == (20.0, 10.0, 1.0)
     assert xyz.read(f"1\n{comment.format('0 0 0')}\nA 1 2 0\n").sides is None
 
 

@@ -30,7 +30,7 @@ from ecume.trajectories.foreign.particles import (
 )
 
 PLAIN = "species:S:1:pos:R:3"
-PAIR = re.compile(r'(?<![\w-])([A-Za-z_][\w-]*+)\s*+=\s*(?:"([^"]*)"|(\S+))')
+PAIR = re.compile(r'(?<![\w-])([A-Za-z_][\w-]*+)\s*+=\s*(?:"([^"]*)"|\'([^\']*)\'|(\S+))')
 MOST_COLUMNS = 200
 MEANINGS = {
     "position": ("pos", "position", "positions"),
@@ -72,7 +72,7 @@ def series(text: str) -> tuple[int, Callable[[int], Particles]]:
 
 def _frame(lines: Sequence[str], starts: Sequence[int], index: int) -> Particles:
     start = starts[frame_number(index, len(starts))]
-    comment = {key.lower(): quoted or bare for key, quoted, bare in PAIR.findall(lines[start + 1])}
+    comment = {key.lower(): double or single or bare for key, double, single, bare in PAIR.findall(lines[start + 1])}
     columns, width = _columns(comment.get("properties", PLAIN), start + 2)
     exact = "properties" in comment
     rows = [line.split() for line in lines[start + 2 : start + 2 + int(lines[start])]]
