@@ -69,6 +69,8 @@ CASES: dict[str, Case] = {
             place="drops:tension_rows",
         ),
         _case("wetting", "Drops on plates and liquid between plates: contact angles, weight, rise", long=True),
+        _case("capillary-rise", "Liquid that rises between plates over time, beside Bosanquet's equation", long=True),
+        _case("sliding-drops", "Drops that slide down a plate: speeds, drag and shape beside theory", long=True),
         _case(
             "drops-in-space", "Balls of liquid: swinging, fading, pressure inside", long=True, place="drops:ball_rows"
         ),
