@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 
 SLIP = 0.134
-"""The slip length at contact lines, in spacings: that with which a drop of 90 degrees slides as fast as ours, so that
-no comparison at that angle is one. All other angles, and the rise between plates, are compared with the same.
+"""The slip length at contact lines, in spacings: that with which the drop of 90 degrees slides as fast as it does.
+Other angles, and the rise between plates, are compared with the same.
 """
 
 
