@@ -40,7 +40,9 @@ from ecume.simulation import simulate
 
 PLAIN = os.environ.get("NUMBA_DISABLE_JIT") == "1"
 FITS = {"floating": True, "soft": False, "sph": True, "tracers": True}
-"""Whether the steps of a model are quick as plain Python; all variants of the others are compiled for other tests."""
+"""Whether the steps of a model are quick as plain Python; all variants of the others are compiled for other tests, but
+those with laws of a user, which each process would compile for itself.
+"""
 pytestmark = [
     pytest.mark.filterwarnings("ignore:overflow encountered"),  # philox, by design
     pytest.mark.filterwarnings("ignore::ecume.models.floating.time_integration.step_size.StepWarning"),
@@ -51,6 +53,13 @@ MAKING = Path(__file__).parents[2] / "docs" / "making"
 sys.path.insert(0, str(MAKING))
 reference = importlib.import_module("scenes")
 sys.path.pop(0)
+
+
+def require_this_pass(model, path):
+    """Skip what the other pass runs."""
+    plain = FITS[model] or path.startswith("user_laws.")
+    if plain != PLAIN:
+        pytest.skip("runs plain" if plain else "runs compiled")
 
 
 def keys_of(model):
@@ -141,8 +150,7 @@ def test_every_key_has_an_entry(model):
 @pytest.mark.sampled(6)
 @pytest.mark.parametrize(("model", "path"), [(model, path) for model in EFFECTS for path in EFFECTS[model].EFFECTS])
 def test_changing_a_key_alone_shows(model, path, monkeypatch, tmp_path):
-    if FITS[model] != PLAIN:
-        pytest.skip("runs plain" if FITS[model] else "runs compiled")
+    require_this_pass(model, path)
     scene, changed = both(model, path)
     shows = EFFECTS[model].EFFECTS[path].shows
     if shows == STOPS:
@@ -243,8 +251,7 @@ OTHERWISE = [
 @pytest.mark.sampled(6)
 @pytest.mark.parametrize(("model", "way", "path"), OTHERWISE)
 def test_changing_a_key_alone_shows_whichever_way_particles_are_given(model, way, path):
-    if FITS[model] != PLAIN:
-        pytest.skip("runs plain" if FITS[model] else "runs compiled")
+    require_this_pass(model, path)
     given = both(model, path)
     # The particles of both scenes are those of the first, so that only the key differs.
     scene = WAYS[model][way](given[0])
