@@ -35,7 +35,7 @@ CELL = "[cell]\nsize = [0.06, 0.06]\n"
 FIELD = "diffusivity = 1e-4\ntension_slope = 10.0\nloss_rate = 5.0\nspacing = 5e-4\n"
 ALONE = '[interaction]\nlaw = "none"\n'
 STOKES = '[hydrodynamics]\ndrag = "stokes"\n'
-SEEDS = [*range(7), pytest.param(7, marks=pytest.mark.uncompiled)]
+SEEDS = [pytest.param(seed, marks=pytest.mark.uncompiled) if seed in (1, 4, 7) else seed for seed in range(8)]
 """Nothing else compiles the last combination, for ten seconds; surfactant, dishes and flows are in the others."""
 
 
