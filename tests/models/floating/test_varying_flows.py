@@ -20,8 +20,8 @@ FLOATING = MODELS["floating"]
 BEAD = "radius = 2e-4\ndensity = 1200.0\ncontact_angle = 1.2\n"
 ALONE = '[interaction]\nlaw = "none"\n'
 PLAIN = pytest.mark.uncompiled
-"""Each integrator has a time step of its own, which takes ten seconds to compile. Compiled here are one with inertia and
-one without, and what shares their code; all others read the same flow, and are compiled without one by other tests.
+"""Each integrator has a time step of its own, which takes ten seconds to compile. Compiled here are one with inertia
+and one without, and what shares their code; all others read the same flow, and are compiled without one by other tests.
 """
 X, Y = np.linspace(-0.02, 0.02, 5), np.linspace(-0.01, 0.01, 3)
 
