@@ -73,6 +73,7 @@ def silent_among(functions, helpers):
     return [name for name, itself, called in told if not (itself or called & helpers)]
 
 
+@pytest.mark.long
 def test_each_test_asserts_something():
     trees = {file: ast.parse(file.read_text(encoding="utf-8")) for file in HERE.rglob("*.py")}
     functions = [node for tree in trees.values() for node in ast.walk(tree) if isinstance(node, ast.FunctionDef)]

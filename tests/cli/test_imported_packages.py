@@ -62,6 +62,7 @@ def runs(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
+@pytest.mark.long
 def test_scenes_are_checked_without_the_compiler(runs: Path) -> None:
     assert imported(runs, *(("check", f"{name}.toml") for name in SHORT)) <= {"scipy"}
 

@@ -198,6 +198,7 @@ def test_positions_between_frames_are_exact_for_cubics():
     np.testing.assert_allclose(positions_at(bare, np.array([0.25]))[0, 0], [0.0625, 0.25])
 
 
+@pytest.mark.long
 def test_positions_do_not_jump_at_the_borders_of_a_periodic_cell():
     """A float that drifts at 20 mm/s through a cell of 70 mm."""
     cell = """[cell]\nsize = ["70 mm", "70 mm"]\n[flow]\nvelocity = ["20 mm/s", 0]\n[liquid]"""

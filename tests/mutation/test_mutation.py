@@ -84,6 +84,7 @@ def test_a_fault_changes_what_it_says_and_nothing_else(before, after):
     assert after in [changed(before, fault) for fault in faults(before)]
 
 
+@pytest.mark.long
 def test_every_fault_of_the_package_leaves_a_file_that_can_be_read():
     for path in sorted((ROOT / "src/ecume/models/tracers").glob("*.py")):
         source = path.read_text(encoding="utf-8")

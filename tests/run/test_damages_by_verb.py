@@ -83,6 +83,7 @@ def contents(path: Path) -> dict[str, bytes]:
     return {str(each.relative_to(path)): each.read_bytes() for each in path.rglob("*") if each.is_file()}
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("state", ["done", "killed"])
 def test_each_verb_says_in_a_line_what_is_damaged_and_loses_nothing(
     state: str, tmp_path: Path, scene: Scenes, monkeypatch: pytest.MonkeyPatch

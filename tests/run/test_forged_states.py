@@ -73,6 +73,7 @@ def arrays_of(home: RunDirectory) -> dict[str, np.ndarray]:
         return {name: array.copy() for name, array in archives.arrays_of(file, path).items() if name != "crc32"}
 
 
+@pytest.mark.long
 def test_no_forged_checkpoint_surprises(killed: RunDirectory, tmp_path: Path) -> None:
     """Each array with each value; what is refused is computed again."""
     refused, tried = 0, set()

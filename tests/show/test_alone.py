@@ -115,6 +115,7 @@ def rafts_of(place, radius):
     return sorted(components(near, len(place)).sizes.tolist()), len(near)
 
 
+@pytest.mark.long
 @with_node
 def test_a_page_moves_sixty_floats_as_the_processor_does(page, native):
     parameters, state, workspace = native

@@ -71,6 +71,7 @@ def test_every_axis_has_a_name_and_a_unit(what, scene, meeting):
         assert WITH_UNIT.match(label) or MULTIPLES.match(label) or label in PURE_NUMBERS
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("what", "kind", "start"), [("paths", "png", b"\x89PNG"), ("force-law", "pdf", b"%PDF"), ("bowl", "svg", b"<?xml")]
 )

@@ -167,6 +167,7 @@ def test_points_that_were_drawn_are_dots_and_no_curves():
     assert bar.get_ylabel() == "time"
 
 
+@pytest.mark.long
 def test_a_figure_has_the_format_the_width_and_the_table_that_were_asked_for(tmp_path, monkeypatch):
     (tmp_path / "points.json").write_text("[]")
     monkeypatch.setattr(figures, "open_sweep", lambda directory: Made())

@@ -68,6 +68,7 @@ def test_every_kernel_is_one_and_has_the_tabled_values():
     assert not missed(rows)
 
 
+@pytest.mark.long
 def test_floats_in_front_of_a_barrier_are_as_in_closed_form():
     rows = CASES["barrier"].rows()
     assert len(rows) == 12 + 6 + 2

@@ -132,6 +132,7 @@ print(*(name for name in sys.modules if name.startswith("ecume")))
 """
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize(
     ("name", "scene"),
     [

@@ -30,6 +30,7 @@ def test_an_unknown_figure_is_refused():
     assert "did you mean t1-course?" in done.stderr
 
 
+@pytest.mark.sampled(4)
 @pytest.mark.compiled
 @pytest.mark.parametrize("name", REPRODUCED)
 def test_a_figure_comes_with_its_data_and_its_command(name, tmp_path):

@@ -163,6 +163,7 @@ def test_the_number_of_steps_is_predicted_within_a_factor_of_three(filled, strai
     assert_predicted(scene)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("strain", [0.1, 1.0])
 def test_the_number_of_steps_of_a_flow_is_predicted_within_a_factor_of_three(strain):
     assert_predicted(rheology.sheared(40, 1, [{"time": 0.0, "shear_rate": 0.25}], strain / 0.25, 1))

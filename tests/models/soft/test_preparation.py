@@ -75,6 +75,7 @@ def closes(plain):
     return plain["films"]["interface"] not in ("rigid", "half-mobile") and plain["long_range_forces"]["law"] == "none"
 
 
+@pytest.mark.sampled(4)
 @pytest.mark.parametrize("goal", ["volume_fraction", "pressure"])
 @pytest.mark.parametrize("seed", [1, 5, 8, 15])
 def test_random_packings_keep_what_every_run_keeps(seed, goal):

@@ -86,6 +86,7 @@ def test_draining_tank():
     assert "mass" not in [row.name for row in SPH.invariants(scene, SPH.parameters(scene))]
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.compiled
 @pytest.mark.parametrize(("density", "moved"), [(500.0, 4.09e-3), (1000.0, 0.0), (2000.0, -4.09e-3)])
 def test_right_disc(density, moved):
@@ -132,6 +133,7 @@ def test_stl_overlapping_shells(tmp_path):
     assert state.mass.max() < 1.1 * 1000.0 * scene.spacing**3
 
 
+@pytest.mark.long
 @pytest.mark.compiled
 @pytest.mark.parametrize("name", ["stl_body", "stl_obstacle"])
 def test_cad_solids(tmp_path, name):
@@ -175,6 +177,7 @@ def test_gate_and_cad_solids():
     assert y[~over & (np.abs(x - 0.25) < 0.02)].min() < 0.01  # and through the slot
 
 
+@pytest.mark.long
 @pytest.mark.compiled
 def test_roll_tank():
     """A tank that is a body rolls about its middle by 4 degrees at 0.61 Hz, and keeps its liquid."""

@@ -152,6 +152,7 @@ def test_the_spreading_pressure_is_that_of_one_spacing_under_the_strongest_pull(
     assert SPH.parameters(from_plain(pulled)).spreading_pressure == pytest.approx(1000.0 * (3.0 + 4.0 * 0.6) * 0.125)
 
 
+@pytest.mark.long
 @pytest.mark.compiled
 def test_disordered_still_water_settles_with_completed_gradients():
     """Without a spreading pressure its speed grows from 0.003 to 0.04 and more, and the liquid sinks by 0.6 %."""

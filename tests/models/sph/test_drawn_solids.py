@@ -46,6 +46,7 @@ def mine_of(table, parameters):
     return (parameters.bodies.obstacles if table == "obstacles" else parameters.bodies.shapes)[0]
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.compiled
 @pytest.mark.parametrize("table", ["obstacles", "bodies"])
 def test_a_ball_of_an_stl_file_is_a_ball(tmp_path, table):
@@ -72,6 +73,7 @@ def test_a_ball_of_an_stl_file_is_a_ball(tmp_path, table):
         assert not its.bodies.drawn
 
 
+@pytest.mark.long
 @pytest.mark.compiled
 def test_the_liquid_lifts_a_drawn_ball_by_what_it_displaces(tmp_path):
     pytest.importorskip("trimesh")

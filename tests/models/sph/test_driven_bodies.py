@@ -44,6 +44,7 @@ def course(scene, *names):
     return [np.array([frame.numbers[name] for frame in frames]) for name in names]
 
 
+@pytest.mark.long
 @pytest.mark.compiled
 def test_a_piston_that_is_a_body_does_what_the_side_does_that_it_equals():
     names = "injected_work", "kinetic_energy", "total_energy"
@@ -106,6 +107,7 @@ def gate(duration=0.3, speed=1.0, deep=8):
     return dataclasses.replace(scene, fluid=(dataclasses.replace(scene.fluid[0], high=(0.2, 0.1)),))
 
 
+@pytest.mark.long
 @pytest.mark.compiled
 def test_a_gate_holds_the_water_until_it_lifts():
     frames = list(ecume.simulate(gate()))
@@ -169,6 +171,7 @@ def test_a_pivot_holds_its_place():
         assert turned == pytest.approx([0.1, 0.02])
 
 
+@pytest.mark.sampled(4)
 @pytest.mark.compiled
 @pytest.mark.parametrize("seed", range(6))
 def test_bodies_on_random_paths_do_the_work_that_the_liquid_gains(seed):

@@ -314,6 +314,7 @@ def test_half_a_run_and_its_other_half_make_the_whole():
         np.testing.assert_array_equal(getattr(whole, name), getattr(resumed, name))
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.compiled
 @pytest.mark.parametrize("seed", range(4))
 def test_random_stacked_liquids_stay_at_rest(seed):

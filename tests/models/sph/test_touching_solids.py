@@ -66,6 +66,7 @@ def test_a_block_on_the_floor_is_dry_below():
     assert end.numbers["obstacle0_force_y"] == pytest.approx(-0.3 * 0.7, rel=0.01)
 
 
+@pytest.mark.long
 @pytest.mark.compiled
 @pytest.mark.parametrize(("density", "rises"), [(0.5, True), (3.0, False)])
 def test_a_body_on_the_floor_rises_if_it_is_light_and_pays_for_it(density, rises):
@@ -99,6 +100,7 @@ def test_sums_at_points_are_those_over_all_pairs():
         assert (nearest == np.where(there, apart.argmin(axis=1), -1)).all()
 
 
+@pytest.mark.long
 @pytest.mark.compiled
 def test_the_energy_budget_takes_the_loads_that_moved_the_bodies(monkeypatch):
     scene = pool(bodies=[disc(RADIUS, density=2.0)], duration=0.5)

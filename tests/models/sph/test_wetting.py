@@ -146,6 +146,7 @@ def test_forces_are_the_slopes_of_the_energy_at_any_angle(walls, seed):
     require_slopes(scene, [(0, 0), (7, 1), (int(draw.integers(20)), 0)])
 
 
+@pytest.mark.long
 @pytest.mark.compiled
 @pytest.mark.parametrize(("walls", "angle"), [("mirror", 60.0), ("dummy", 110.0)])
 def test_a_drop_spreads_and_beads_to_its_angle(walls, angle):
@@ -160,6 +161,7 @@ def test_a_drop_spreads_and_beads_to_its_angle(walls, angle):
     assert np.diff(total).max() < 1e-3 * np.ptp(total)
 
 
+@pytest.mark.long
 @pytest.mark.compiled
 def test_a_drop_with_weight_keeps_its_particles():
     """With density diffusion that does not complete gradients its outermost layer drifted off as a shell."""

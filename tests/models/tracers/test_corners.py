@@ -69,6 +69,7 @@ def wedge(angle):
     )
 
 
+@pytest.mark.sampled(4)
 @pytest.mark.compiled
 @pytest.mark.parametrize("length", [0.0, 0.3])
 @pytest.mark.parametrize("angle", [20, 75, 150])

@@ -103,6 +103,7 @@ def test_polygons_with_sides_of_very_different_lengths_have_a_mesh(seed):
     assert 0.5 * np.abs(ax * by - ay * bx).sum() == pytest.approx(2.0 - hole, rel=1e-12)
 
 
+@pytest.mark.long
 @pytest.mark.compiled
 def test_tracers_pass_obstacles_and_keep_their_density():
     """A uniform suspension of tracers stays uniform: none is held, and none is missing behind an obstacle."""

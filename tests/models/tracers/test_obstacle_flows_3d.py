@@ -195,6 +195,7 @@ def test_check_cites_and_describes_the_flow():
     assert {"taylor1973", "zhang2005", "batchelor1967"} <= set(papers_of(scene))
 
 
+@pytest.mark.long
 @pytest.mark.compiled
 @pytest.mark.usefixtures("coarse")
 def test_tracers_pass_obstacles_and_keep_their_density():

@@ -178,6 +178,7 @@ PROFILES = {
 }
 
 
+@pytest.mark.long
 @pytest.mark.compiled
 @pytest.mark.parametrize("name", list(PROFILES))
 def test_a_well_mixed_sea_stays_well_mixed(name):

@@ -384,6 +384,7 @@ def test_a_bowl_is_played_by_hands(tab, simulating):
     assert tab.complaints == []
 
 
+@pytest.mark.long
 def test_a_link_brings_a_bowl_back_and_hostile_ones_end_in_a_sentence(browser, tab, simulating):
     tab.goto(simulating)
     tab.wait_for_selector("body[data-drawn]", timeout=30_000)
@@ -483,6 +484,7 @@ def four_spheres(tmp_path_factory):
     return written.as_uri()
 
 
+@pytest.mark.long
 def test_four_spheres_move_within_a_second_and_ask_nobody(tab, four_spheres):
     ready = []
     while not ready or (len(ready) < 20 and min(ready) > READY):
@@ -499,6 +501,7 @@ def test_four_spheres_move_within_a_second_and_ask_nobody(tab, four_spheres):
     assert [request for request in tab.requests if not request.startswith("blob:")] == len(ready) * [four_spheres]
 
 
+@pytest.mark.long
 def test_a_cluster_is_chosen_by_keys_and_links(tab, four_spheres):
     tab.goto(four_spheres)
     tab.wait_for_selector("body[data-drawn]", timeout=30_000)
