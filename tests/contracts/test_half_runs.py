@@ -17,9 +17,21 @@ from tests.contracts import (
     test_tank_options,
     test_tracer_option_pairs,
 )
-from tests.models.floating import test_magnetic_fields, test_multipoles, test_shapes, test_undulated_discs
+from tests.models.floating import (
+    test_magnetic_fields,
+    test_multipoles,
+    test_shapes,
+    test_surfactant,
+    test_undulated_discs,
+)
 from tests.models.floating.bowls import HEAVY, WATER, bowl, scene_of
-from tests.models.sph import test_incompressible, test_open_boundaries, test_passive_particles
+from tests.models.sph import (
+    test_driven_bodies,
+    test_incompressible,
+    test_open_boundaries,
+    test_passive_particles,
+    test_second_liquid,
+)
 from tests.models.sph.scenes import tank
 from tests.models.tracers import test_arrivals
 
@@ -228,6 +240,12 @@ LONGER = {
     "a channel with inflow and outflow": (test_open_boundaries.channel, 80, ()),
     "an incompressible tank": (lambda: test_incompressible.tank(8), 12, ()),
     "a shaken tank with a body": (shaken_tank, 60, ()),
+    "a body on a path": (lambda: test_driven_bodies.driven(test_driven_bodies.LAWS["table"]), 20, ()),
+    "stacked liquids": (lambda: test_second_liquid.stacked(5.0, deep=8, method={"jitter": 0.1}), 8, (plain_only,)),
+    **{
+        f"surfactant, random scene {seed}": (lambda seed=seed: test_surfactant.random_scene(seed)[0], 12, (plain_only,))
+        for seed in range(8)
+    },
     "grains in eddies": (grains_in_eddies, 6, ()),
     "rough rafts": (rafts, 10_000, (pytest.mark.long,)),
     "a bowl": (lambda: bowl(30, duration=0.5, frame_every=0.05), 10_000, ()),

@@ -260,14 +260,6 @@ def test_surfactant_of_a_flow_that_varies_is_carried_at_its_times(tmp_path, monk
     assert place - 0.021 == pytest.approx(0.5 * 0.05 * 0.1, rel=1e-3)
 
 
-@pytest.mark.parametrize("seed", SEEDS)
-def test_half_a_run_and_half_a_run_are_a_run_with_surfactant(seed):
-    scene, _ = random_scene(seed)
-    ends = [advanced(scene, *parts)[1] for parts in ((12,), (7, 5))]
-    for name in ("position", "velocity", "concentration", "surfactant", "tally"):
-        assert np.array_equal(getattr(ends[0], name), getattr(ends[1], name)), name
-
-
 def test_a_checkpoint_keeps_the_concentration(tmp_path):
     scene, _ = random_scene(0)
     _, state = advanced(scene, 5)

@@ -12,7 +12,6 @@ from ecume.models.sph.boundaries.driven_bodies import on_path
 from ecume.models.sph.record import SPH
 from ecume.scenes.schema import from_plain, to_plain
 from tests.models.sph.scenes import OPEN
-from tests.models.sph.test_runs import copy_of, integrated
 
 SWING = {"amplitude": 0.02, "frequency": 1.0, "phase": -math.pi / 2}
 
@@ -191,17 +190,6 @@ def test_bodies_on_random_paths_do_the_work_that_the_liquid_gains(seed):
     assert (energy - energy[0] - work).max() < 0.05 * np.abs(work).max()
     path = SPH.parameters(scene).bodies.paths[0][1]
     assert x[-1] == pytest.approx(on_path(path, 0.15)[0][0], abs=1e-12)
-
-
-@pytest.mark.compiled
-def test_half_a_run_with_a_driven_body_and_half_a_run_are_a_run():
-    scene = driven(LAWS["table"])
-    parameters, whole = integrated(scene, 40)
-    _, half = integrated(scene, 20)
-    again = copy_of(half)
-    SPH.advance(parameters, again, SPH.workspace(parameters, again, 1.0), 20)
-    for name, one, other in zip(whole._fields, whole, again, strict=True):
-        np.testing.assert_array_equal(one, other, err_msg=name)
 
 
 @pytest.mark.compiled

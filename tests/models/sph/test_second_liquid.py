@@ -295,25 +295,6 @@ def test_check_warns_of_a_lattice_that_resists_shear():
         assert ("particles at the start" in rows) == warns
 
 
-def test_half_a_run_and_its_other_half_make_the_whole():
-    scene = stacked(5.0, deep=8, method={"jitter": 0.1})
-    parameters = SPH.parameters(scene)
-
-    def after(steps, state):
-        run = Integration(SPH, parameters, state, 0.0)
-        end = int(state.step[0]) + steps
-        while int(run.state.step[0]) < end:
-            run.go(end - int(run.state.step[0]))
-        return run.state
-
-    whole = after(8, SPH.start(scene, parameters))
-    half = after(4, SPH.start(scene, parameters))
-    copied = half._replace(**{name: np.array(value) for name, value in half._asdict().items()})
-    resumed = after(4, copied)
-    for name in ("position", "velocity", "density"):
-        np.testing.assert_array_equal(getattr(whole, name), getattr(resumed, name))
-
-
 @pytest.mark.sampled(3)
 @pytest.mark.compiled
 @pytest.mark.parametrize("seed", range(4))
