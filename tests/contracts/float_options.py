@@ -89,6 +89,13 @@ NEW = {
     ("films", "friction"),
     ("films", "rolling friction"),
     ("shapes", "noise"),
+    ("dipoles", "shapes"),
+    ("shapes", "wall profile"),
+    ("shapes", "dish in motion"),
+    ("shapes", "flow"),
+    ("shapes", "active forces"),
+    ("films", "velocity-verlet"),
+    ("films", "explicit-euler"),
 }
 """Pairs that used to be refused."""
 

@@ -23,7 +23,20 @@ import numpy as np
 
 from ecume.errors import BadInput
 from ecume.laws.drag import TurningFriction
-from ecume.units import Angle, Array, Energy, Force, Friction, Length, SurfaceTension, Unit, Viscosity, Volume
+from ecume.units import (
+    Angle,
+    Array,
+    Energy,
+    Force,
+    Friction,
+    Length,
+    Number,
+    Rate,
+    SurfaceTension,
+    Unit,
+    Viscosity,
+    Volume,
+)
 
 Strength = Annotated[float, Unit("J*m^4")]
 Torque = Annotated[float, Unit("N*m")]
@@ -132,6 +145,31 @@ def ellipsoid_turning_friction(along: Length, across: Length, upright: Length, v
     """
     resisting = along**2 * _alpha(along, across, upright) + across**2 * _alpha(across, along, upright)
     return 16.0 / 3.0 * math.pi * viscosity * (along**2 + across**2) / resisting
+
+
+def elongation(along: Length, across: Length) -> Number:
+    """Bretherton's constant (a^2 - b^2)/(a^2 + b^2) of an ellipsoid, whatever its upright semi-axis: 0 for round ones,
+    1 for thin needles. [jeffery1922].
+
+    >>> elongation(1.0, 1.0), elongation(3.0, 1.0)
+    (0.0, 0.8)
+    """
+    return (along**2 - across**2) / (along**2 + across**2)
+
+
+def spin_in_flow(angle: Angle, elongation: Number, rotation: Rate, shear: Rate, extension: Rate) -> Rate:
+    """Spin of an ellipsoid that no torque acts on, in a plane flow whose gradient is the same all over it:
+    (rotation + elongation (shear cos 2 phi - extension sin 2 phi))/2.
+
+    The angle phi of its long axis is counted from x, counterclockwise; rotation = dv/dx - du/dy, shear = dv/dx + du/dy,
+    extension = du/dx - dv/dy. Exact deep in a liquid, and at a flat free surface in a plane of symmetry, without
+    inertia. In a shear flow u = g y an ellipsoid turns with the period 2 pi (a/b + b/a)/g. [jeffery1922].
+
+    >>> spin_in_flow(0.0, 1.0, -1.0, 1.0, 0.0)  # a needle along a shear flow
+    0.0
+    """
+    strained = shear * math.cos(2.0 * angle) - extension * math.sin(2.0 * angle)
+    return 0.5 * (rotation + elongation * strained)
 
 
 SLENDER = 0.5

@@ -1,6 +1,7 @@
 """Films between floats: two that approach take the longer, and nobody's momentum changes."""
 
 import dataclasses
+import math
 
 import numpy as np
 import pytest
@@ -44,6 +45,25 @@ def test_two_that_are_pushed_together_go_slower_by_lambda():
     excess = pair_factor(2.1) - pair_factor(4.0)
     wanted = np.array([[1e-3 / (1 + excess), 2e-4], [-1e-3 / (1 + excess), 5e-4]])
     assert velocity == pytest.approx(wanted, rel=1e-5)
+
+
+@pytest.mark.parametrize("integrator", ["velocity-verlet", "explicit-euler", "semi-implicit-euler"])
+def test_two_that_run_into_each_other_stop_as_their_inertia_and_the_film_say(integrator):
+    """Each has the speed v exp(-lambda t/tau), where lambda is that of the film while the gap hardly changes."""
+    speed, time = 1e-4, 2e-4
+    floats = "".join(
+        f"[[particles]]\n{BEAD}positions = [[{x}, 0.0]]\nvelocity = [{v}, 0.0]\n"
+        for x, v in ((0.0, speed), (2.1 * RADIUS, -speed))
+    )
+    motion = f'[integration]\nintegrator = "{integrator}"\ntime_step = {time}\n[interaction]\nlaw = "none"\n'
+    films = '[hydrodynamics]\ndrag = "stokes"\nlubrication = { roughness = 1e-6 }\n'
+    parameters, state, workspace = begun(scene_of(f"{WATER}{floats}{motion}{films}", duration=0.1, frame_every=0.1))
+    assert FLOATING.advance(parameters, state, workspace, 20) == 0
+    resistance = 1.0 + pair_factor(2.1) - pair_factor(4.0)
+    kept = math.exp(-resistance * 20 * time / parameters.floats.relaxation_time[0])
+    assert 0.2 < kept < 0.8
+    assert state.velocity[0, 0] == pytest.approx(kept * speed, rel=0.01)
+    assert state.velocity.sum(axis=0) == pytest.approx([0.0, 0.0], abs=1e-15)
 
 
 def test_the_roughness_is_a_length_whatever_the_sizes_of_the_floats():
@@ -113,7 +133,7 @@ def test_two_beads_meet_when_the_law_says():
 @pytest.mark.parametrize(
     ("changes", "message"),
     [
-        ({"integrator": "velocity-verlet"}, "semi-implicit-euler"),
+        ({"integrator": "rk4"}, "a film slows the velocity after each kick"),
         ({"more": "brownian = true\n"}, "moved by noise that is correlated"),
         ({"more": '[contacts]\nlaw = "spring-dashpot"\nstiffness = 1.0\n'}, "contacts that stop floats at once"),
     ],

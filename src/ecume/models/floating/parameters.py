@@ -314,9 +314,9 @@ class Workspace(NamedTuple):
     force: Array
     """(N, 2) N, at the current positions"""
     midstep_velocity: Array
-    """(N + walls, 2) m/s: displacement over time step; zero for walls"""
+    """(N + walls, 2) m/s: displacement over time step; zero for walls. (N + walls, 3) with spins (rad/s) of bodies"""
     before: Array
-    """(N + walls, 2) m/s: the midstep velocity before contacts"""
+    """of the same shape: the midstep velocity before contacts"""
     restitution: Array
     """(N,) the restitution of each float in a collision"""
     stages: Array
@@ -361,8 +361,10 @@ FIRST_GUESS = 64
 """Number of neighbors per float for which a first workspace has room."""
 
 
-def make_workspace(parameters: Parameters, state: State, room: float) -> Workspace:
-    """Allocate a workspace for about the current density; the run enlarges it if necessary."""
+def make_workspace(parameters: Parameters, state: State, room: float, velocities: int = 2) -> Workspace:
+    """Allocate a workspace for about the current density; the run enlarges it if necessary. Floats have two
+    midstep velocities, or three with a spin.
+    """
     count = len(state.position)
     walls = len(parameters.kick.mobility) - count
     pairs = int(room * (24 * count + 64))
@@ -371,8 +373,8 @@ def make_workspace(parameters: Parameters, state: State, room: float) -> Workspa
         candidates=contacts.make_candidates(count, pairs),
         contacts=contacts.make_contacts(pairs + count * walls),
         force=np.zeros((count, 2)),
-        midstep_velocity=np.zeros((count + walls, 2)),
-        before=np.zeros((count + walls, 2)),
+        midstep_velocity=np.zeros((count + walls, velocities)),
+        before=np.zeros((count + walls, velocities)),
         restitution=np.zeros(count),
         stages=np.zeros((5, count, 2)),
         travel=np.zeros(1),

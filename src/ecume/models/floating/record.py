@@ -29,6 +29,7 @@ from ecume.models.floating.parameters import (
 from ecume.models.floating.setup.initial_state import layout, position_faults, start
 from ecume.models.floating.setup.scene_parameters import ROOMIER, checked_parameters, chosen_by
 from ecume.models.floating.time_integration.integration import advance, fill_lists, forces_at, make_scratch
+from ecume.models.floating.time_integration.integrators import INTEGRATORS_BY_CONSTANTS
 from ecume.models.floating.user_laws import interaction_of
 from ecume.models.model import Model, Source
 from ecume.models.user_laws import BoundLaw
@@ -53,6 +54,7 @@ def laws_of(scene: Any) -> list[Source]:
     if scene.shaped:
         resistance = [contact_lines.ellipsoid_friction, contact_lines.ellipsoid_turning_friction]
         laws += resistance if scene.hydrodynamics.resists else []
+        laws += [contact_lines.spin_in_flow] if scene.flow is not None else []
     laws += [brownian_motion.diffusivity, brownian_motion.reflected_gap] if scene.hydrodynamics.brownian else []
     return [*laws, *chosen.hydrodynamics.laws, *chosen.contacts.laws]
 
@@ -60,7 +62,8 @@ def laws_of(scene: Any) -> list[Source]:
 def workspace(parameters: Parameters, state: State, room: float) -> Workspace:
     """Allocate the workspace, with neighbor lists at the reference positions of the state."""
     while True:
-        made = make_workspace(parameters, state, room)
+        velocities = INTEGRATORS_BY_CONSTANTS[type(parameters.parts.integrator)].velocities
+        made = make_workspace(parameters, state, room, velocities)
         made = made._replace(scratch=make_scratch(parameters, state, made))
         bare, space = parameters._replace(parts=()), made._replace(scratch=())
         if fill_lists(parameters.parts, made.scratch, bare, compiled_state(state), space):

@@ -41,6 +41,8 @@ class Activity(NamedTuple):
     turning: Array
     """(N,) rad/s by the torque"""
     seed: int
+    aligned: bool
+    """whether floats are propelled along their own axis"""
 
 
 class ActivityScratch(NamedTuple):
@@ -63,11 +65,12 @@ def make_activity_scratch(
 
 def with_activity(part: Activity, state: State) -> State:
     """Return the state with random forces drawn from their stationary distribution, in units of their root mean square,
-    and with random headings.
+    and with random headings. The heading of a float that turns is relative to its angle.
     """
     rng = np.random.default_rng([part.seed, START])
     count = len(state.position)
     heading = rng.uniform(0.0, 2.0 * math.pi, count)
+    heading = np.zeros(count) if part.aligned else heading
     return state._replace(active=np.column_stack([rng.normal(size=(count, 2)), heading]))
 
 
@@ -144,12 +147,14 @@ def activity_of(parameters: Parameters, scene: FloatingScene) -> Built:
     if unknown := [name for name in given.species if name not in names]:
         raise scene_error("activity.species", f"got {unknown[0]!r}; expected names among {', '.join(map(repr, names))}")
     active = np.array([not given.species or names[number] in given.species for number in floats.species], np.float64)
-    thermal = parameters.drift.thermal
+    # Noise turns elongated bodies themselves, and their headings with them.
+    thermal = 0.0 if scene.shaped else parameters.drift.thermal
     friction = turning_frictions(scene) if given.torque or thermal > 0.0 else np.ones(len(active))
     spread = np.array([brownian_motion.diffusivity(thermal, each) for each in friction])
     part = Activity(
         given.force * active / math.sqrt(2.0), given.persistence or 1.0, given.propulsion * active,
         given.rotational_diffusion + spread, given.torque * active / friction, scene.seed,
+        scene.shaped,
     )  # fmt: skip
     rates = [1.0 / part.persistence if given.force else 0.0, float(part.diffusion.max())]
     rates.append(float(np.abs(part.turning).max()))

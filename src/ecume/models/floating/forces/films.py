@@ -205,13 +205,16 @@ def spread_forces(pairs: Pairs, strength: Array, share: Array, force: Array) -> 
 
 
 @compiled
-def apply_films(part: Films, scratch: Any, parameters: Parameters, state: State, workspace: Workspace) -> None:
-    """Apply films to the velocities after a kick and to the midstep velocities."""
+def apply_films(
+    part: Films, scratch: Any, parameters: Parameters, state: State, workspace: Workspace, first: bool
+) -> None:
+    """Apply films to the velocities after a kick, and after the first one to the midstep velocities, too."""
     pairs = find_films(part, parameters, state.position, workspace.lists)
     if len(pairs.friction) > 0:
         motion = state.velocity.reshape(-1)
         solve_with_films(MobilityOfEach(parameters.kick.gain), pairs, motion, np.zeros(len(motion)))
-        copy_rows(workspace.midstep_velocity, state.velocity)
+        if first and not parameters.scheme.drifts_first:
+            copy_rows(workspace.midstep_velocity, state.velocity)
 
 
 def films_of(parameters: Parameters, scene: FloatingScene) -> Built:
@@ -255,7 +258,7 @@ def approach_factor(distance: float, radius: float) -> float:
 
 @compiled
 def apply_coupled_films(
-    part: CoupledFilms, scratch: Any, parameters: Parameters, state: State, workspace: Workspace
+    part: CoupledFilms, scratch: Any, parameters: Parameters, state: State, workspace: Workspace, first: bool
 ) -> None:
     """Apply films to the velocities and midstep velocities."""
     pairs = find_films(part.films, parameters, state.position, workspace.lists)

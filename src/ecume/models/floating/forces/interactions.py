@@ -202,7 +202,7 @@ INTERACTIONS = {
             "turns bodies": "its drag differs along and across, and kicks must turn it",
             "superposed": "its charges are superposed",
             "charges": "its contact line is a set of charges",
-            "point charges": "the wall acts on each of its charges by a formula",
+            "point charges": "the wall acts on each of its charges by itself, without images of the others",
             "open": "its charges and its outline meet those of other bodies, not of their images",
         },
     ),
@@ -229,11 +229,9 @@ INTERACTIONS = {
         path="particles", name="a magnetic moment", constants=DipoleMoments, make=dipoles_of, add_forces=dipole_forces,
         energy=dipole_energies, scratch=make_sorted_moments, sort=sort_moments,
         arrays=lambda part: {"magnetic_moment": (part.moment.copy(), "A*m^2")},
-        gives=ROUND | {"moving walls", "pair sum", "undulations", "grid", "no torques"}, laws=(pair_laws.dipole_force,),
-        needs={
-            "reciprocal": "the energy of the dipoles is kept together with that of the law",
-            "round": "a dipole is taken to be at the center, which elongated floats come nearer to than they touch",
-        },
+        gives=ROUND | {"moving walls", "pair sum", "undulations", "grid", "superposed", "no torques"},
+        laws=(pair_laws.dipole_force,),
+        needs={"reciprocal": "the energy of the dipoles is kept together with that of the law"},
     ),
     "magnetic field": Interaction(
         path="magnetic_field", name="a magnetic field", constants=MagneticField, make=magnetic_field_of,
@@ -268,7 +266,6 @@ INTERACTIONS = {
         needs={
             "drag": "drag limits the speed that an active force gives",
             "kicks at the ends": "active forces are renewed once per step",
-            "round": "rotational diffusion and torques turn the heading only, not the outline of a float",
         },
     ),
     "waves": Interaction(
@@ -340,7 +337,9 @@ class Resistance(Option):
     make: Callable[[Parameters, FloatingScene], Built]
     """make(parameters without parts, scene). Raises SceneError"""
     slow: Callable[..., None]
-    """slow(part, scratch, parameters, state, workspace): change velocities and midstep velocities after a kick"""
+    """slow(part, scratch, parameters, state, workspace, first): change velocities after a kick, and midstep velocities
+    after the first one of a step
+    """
     scratch: Callable[[Any], Any] = lambda moving: ()
     """scratch(workspace of the integrator): the workspace"""
 
@@ -350,7 +349,7 @@ RESISTANCES = {
         path="hydrodynamics.lubrication", name="a film", constants=Films, make=films_of, slow=apply_films,
         needs={
             "reciprocal": "films keep momentum, and so must the law",
-            "kicks before the drift": "films slow the velocity of a whole kick, which then drifts",
+            "kicks at the ends": "a film slows the velocity after each kick",
             "drag": "the friction of a film is a multiple of the drag of its floats",
             "stokes": "the friction of a film is a multiple of Stokes's drag",
             "round": "the film between two floats is known for spheres",

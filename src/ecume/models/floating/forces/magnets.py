@@ -33,7 +33,8 @@ from ecume.models.floating.parameters import (
     State,
     Workspace,
 )
-from ecume.models.floating.setup.kinds import moments_of
+from ecume.models.floating.setup.kinds import distinct_kinds, moments_of
+from ecume.models.floating.shaped.shapes import inner_radius
 from ecume.models.floating.time_integration.step_size import RAFT_NEIGHBORS
 from ecume.units import Array
 
@@ -134,7 +135,9 @@ def dipoles_of(parameters: Parameters, scene: FloatingScene) -> Built:
     """
     moment = moments_of(scene)
     radius, walls = parameters.floats.radius, parameters.walls
-    touching = 2.0 * float(radius.min())
+    # Centers of elongated floats are closer than two radii where they touch.
+    narrow = [inner_radius(kind.figure.skeleton) for kind in distinct_kinds(scene)[0] if kind.figure is not None]
+    touching = 2.0 * min([float(radius.min()), *narrow])
     across = 2.0 * farthest(walls)
     cutoff = min(touching / math.sqrt(scene.interaction.accuracy), across)
     strongest = float(np.abs(moment).max())

@@ -123,7 +123,7 @@ def _parameters_with(scene: FloatingScene, chosen: Chosen, longer: float) -> Par
     spinning = turned is not None or chosen.contacts.inertia(contacts) is not None
     integrator = chosen.hydrodynamics.make(timed, scene, spinning) or kicks_of(chosen.integrator, timed)
     if scene.shaped:
-        integrator = RigidKicks(parts[0].inertia, parts[0].friction)
+        integrator = RigidKicks(parts[0].inertia, parts[0].friction, parts[0].elongation)
     return timed._replace(parts=Parts(integrator, parts, tuple(each.part for each in slowing), contacts))
 
 
@@ -166,6 +166,7 @@ def _without_parts(scene: FloatingScene, chosen: Chosen, longer: float) -> Param
     strength = law.strength if row.menisci else 0.0
     mirrored = scene.dish is not None and scene.dish.image != "none"
     walls, scheme = walls_of(scene.dish), chosen.hydrodynamics.moves(chosen.integrator).scheme
+    scheme = scheme._replace(drags_along=scheme.drags_along and not scene.shaped)
     skin = longer * max(0.2 * largest, min(0.4 * length, largest), SKIN_OVER_NOISE * (drift.thermal > 0.0) * largest)
     swings = drift.sway.turning if np.any(drift.sway.amplitude) else 0.0
     return Parameters(
@@ -328,6 +329,7 @@ def options_of(scene: FloatingScene, chosen: Chosen) -> list[Option]:
         (any(one.disc is not None and one.disc.undulation > 0.0 for one in scene.given), UNDULATION),
         (_turned_by_menisci(scene), TURNING),
         (scene.activity is not None and scene.activity.torque != 0.0, TORQUE),
+        (scene.activity is not None and scene.activity.rotational_diffusion != 0.0, ROTATION),
     ]
     return [*rows, *surroundings, *boundary_of(scene), *(option for there, option in active if there)]
 
@@ -352,7 +354,7 @@ FAST_DRAG = Option(
 
 FLOW = Option(
     slot="flow", path="flow", name="a flowing surface",
-    needs={"drag": "it moves floats by drag", "round": "a current would turn an elongated body"},
+    needs={"drag": "it moves floats by drag"},
 )  # fmt: skip
 
 SWAY = Option(
@@ -360,7 +362,6 @@ SWAY = Option(
     needs={
         "sways": "its acceleration is given by the kicks",
         "stokes": "its velocity acts by Stokes's drag",
-        "round": "liquid that moves past an elongated body would turn it",
         "independent": "the liquid between two floats moves with the dish, too",
     },
 )  # fmt: skip
@@ -388,7 +389,13 @@ TORQUE = Option(
     needs={
         "single drag": "the flow of a float that turns moves its neighbors",
         "no spins": "a torque on floats that rub is transmitted by their contacts",
+        "round": "it turns the heading of a float, but not its outline",
     },
+)  # fmt: skip
+
+ROTATION = Option(
+    slot="torque", path="activity.rotational_diffusion", name="rotational diffusion",
+    needs={"round": "it turns the heading of a float, but not its outline"},
 )  # fmt: skip
 
 
@@ -415,7 +422,7 @@ def _wall_of(scene: FloatingScene) -> Option:
     image = scene.dish.image if scene.dish is not None else "none"
     path, name = ("dish.law", law) if image == "none" else ("dish.image", image)
     simple = is_far_field(wall_law_of(scene))
-    gives = {"point charges"} if simple else set()
+    gives = {"point charges"} if simple or (law == "profile" and image == "none") else set()
     gives |= {"multipoles"} if simple and law != "linear" else set()
     return Option(slot="wall", path=path, name=repr(name), gives=frozenset(gives))
 

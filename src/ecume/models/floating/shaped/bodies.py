@@ -24,9 +24,11 @@ from ecume.engine.neighbors import NeighborLists
 from ecume.engine.outlines import Outlines, Stance
 from ecume.engine.philox import counter_of, counter_of_pair, normals, uniforms
 from ecume.engine.walls import wall_count
-from ecume.laws import brownian_motion, capillarity, special
+from ecume.laws import brownian_motion, capillarity, contact_lines, moving_dish, special
 from ecume.laws.brownian_motion import diffusivity, reflected_gain
 from ecume.laws.capillarity import pair_energy, pair_force
+from ecume.laws.contact_lines import spin_in_flow
+from ecume.laws.moving_dish import sway_acceleration, sway_velocity
 from ecume.models.floating.contacts.collisions import (
     Outlined,
     bounce,
@@ -35,6 +37,7 @@ from ecume.models.floating.contacts.collisions import (
     solve_contacts,
 )
 from ecume.models.floating.dishes import acts, wall_energy, wall_force
+from ecume.models.floating.forces.flow_and_noise import current_at
 from ecume.models.floating.parameters import (
     CAPILLARY_LENGTH,
     CUTOFF,
@@ -51,7 +54,7 @@ from ecume.models.floating.time_integration.step_size import NOISE_DEVIATIONS
 from ecume.models.model import CROWDED, DIVERGED, DONE
 from ecume.units import Array
 
-admit(special, capillarity, brownian_motion)
+admit(special, capillarity, brownian_motion, contact_lines, moving_dish)
 
 
 class Shaped(NamedTuple):
@@ -70,6 +73,8 @@ class Shaped(NamedTuple):
     """(N,) kg m^2"""
     friction: Array
     """(N, 3) along and across each body (N s/m), against turning (N m s)"""
+    elongation: Array
+    """(N,) see `contact_lines.elongation`"""
     places: int
     """the largest number of contact points of two bodies"""
 
@@ -81,6 +86,8 @@ class RigidKicks(NamedTuple):
     """(N,) kg m^2"""
     friction: Array
     """(N, 3) see `Shaped`"""
+    elongation: Array
+    """(N,) see `Shaped`"""
 
 
 class ShapedScratch(NamedTuple):
@@ -98,17 +105,15 @@ class ShapedScratch(NamedTuple):
     """(V, 2)"""
     mobility: Array
     """(N, 3)"""
-    midstep_velocity: Array
-    """(N + walls, 3) midstep velocities and spins"""
-    before: Array
-    """(N + walls, 3)"""
+    drag: Array
+    """(N, 3) forces and torques by the motion of the liquid and of the dish"""
     levers: TorqueContacts
 
 
 def make_shaped_scratch(shaped: Shaped, parameters: Parameters, state: State, workspace: Workspace) -> ShapedScratch:
     """Return a workspace for as many contacts as the common workspace holds."""
     room = 2 * len(workspace.contacts.first)
-    count, rows = len(state.position), len(parameters.kick.mobility)
+    count = len(state.position)
     return ShapedScratch(
         torque=np.zeros(count),
         turning=state.turning,
@@ -116,8 +121,7 @@ def make_shaped_scratch(shaped: Shaped, parameters: Parameters, state: State, wo
         angle=np.zeros(count),
         corner=np.zeros_like(shaped.outlines.corner),
         mobility=np.zeros((count, 3)),
-        midstep_velocity=np.zeros((rows, 3)),
-        before=np.zeros((rows, 3)),
+        drag=np.zeros((count, 3)),
         levers=make_torque_contacts(room, shaped.places),
     )
 
@@ -283,14 +287,96 @@ def kick(
 ) -> None:
     """Change velocities and spins (N, 3) by drag and `share` of the forces during a kick, solved exactly."""
     for i in range(len(force)):
-        c, s = math.cos(scratch.angle[i]), math.sin(scratch.angle[i])
+        c, s, drag = math.cos(scratch.angle[i]), math.sin(scratch.angle[i]), scratch.drag[i]
+        x, y = force[i, 0] + drag[0], force[i, 1] + drag[1]
         decay, gain = slowed(part, parameters, i, 0)
-        along = decay * (c * velocity[i, 0] + s * velocity[i, 1]) + share * gain * (c * force[i, 0] + s * force[i, 1])
+        along = decay * (c * velocity[i, 0] + s * velocity[i, 1]) + share * gain * (c * x + s * y)
         decay, gain = slowed(part, parameters, i, 1)
-        across = decay * (c * velocity[i, 1] - s * velocity[i, 0]) + share * gain * (c * force[i, 1] - s * force[i, 0])
+        across = decay * (c * velocity[i, 1] - s * velocity[i, 0]) + share * gain * (c * y - s * x)
         decay, gain = slowed(part, parameters, i, 2)
         velocity[i, 0], velocity[i, 1] = c * along - s * across, s * along + c * across
-        velocity[i, 2] = decay * velocity[i, 2] + share * gain * scratch.torque[i]
+        velocity[i, 2] = decay * velocity[i, 2] + share * gain * (scratch.torque[i] + drag[2])
+
+
+@compiled
+def rotation_of_flow(
+    part: RigidKicks, parameters: Parameters, i: int, here: tuple[float, float, float, float]
+) -> float:
+    """The spin (rad/s) that the flow of the surface gives a body at (x, y), angle and time, if nothing else turns it.
+    The gradients are those over the length of the body.
+    """
+    x, y, angle, time = here
+    size = parameters.floats.radius[i]
+    right, left = current_at(parameters.drift, time, x + size, y), current_at(parameters.drift, time, x - size, y)
+    above, below = current_at(parameters.drift, time, x, y + size), current_at(parameters.drift, time, x, y - size)
+    turned, sheared = (right[1] - left[1]) / (2.0 * size), (above[0] - below[0]) / (2.0 * size)
+    extended = (right[0] - left[0] - above[1] + below[1]) / (2.0 * size)
+    spin: float = spin_in_flow(angle, part.elongation[i], turned - sheared, turned + sheared, extended)
+    return spin
+
+
+@compiled
+def drag_along(
+    part: RigidKicks, scratch: ShapedScratch, parameters: Parameters, state: State, velocity: Array, ahead: float
+) -> None:
+    """Compute the forces and torques by the flow of the surface and by a moving dish, `ahead` time steps after those
+    counted by the state; the bodies have moved on with these velocities, unless it is the end of the step.
+    """
+    drift, drag = parameters.drift, scratch.drag
+    if not drift.flows and not drift.sway.moves:
+        return
+    now, drifted = (state.step[0] + ahead) * parameters.time_step, ahead % 1.0 * parameters.time_step
+    # A kick of a whole step takes the motion of the dish at its middle.
+    swayed = (state.step[0] + (ahead if parameters.scheme.half_kicks else 0.5)) * parameters.time_step
+    for i in range(len(drag)):
+        x, y = state.position[i, 0] + drifted * velocity[i, 0], state.position[i, 1] + drifted * velocity[i, 1]
+        angle, liquid_x, liquid_y, spin = scratch.angle[i] + drifted * velocity[i, 2], 0.0, 0.0, 0.0
+        if drift.flows:
+            liquid_x, liquid_y = current_at(drift, now, x, y)
+            spin = rotation_of_flow(part, parameters, i, (x, y, angle, now))
+        sway, mass = drift.sway, parameters.floats.mass[i] if parameters.scheme.inertia else 0.0
+        liquid_x -= sway.slip * (sway.velocity[0] + sway_velocity(sway.amplitude[0], sway.turning, swayed))
+        liquid_y -= sway.slip * (sway.velocity[1] + sway_velocity(sway.amplitude[1], sway.turning, swayed))
+        c, s = math.cos(angle), math.sin(angle)
+        along = part.friction[i, 0] * (c * liquid_x + s * liquid_y)
+        across = part.friction[i, 1] * (c * liquid_y - s * liquid_x)
+        left_x = sway.slip * mass * sway_acceleration(sway.amplitude[0], sway.turning, swayed)
+        left_y = sway.slip * mass * sway_acceleration(sway.amplitude[1], sway.turning, swayed)
+        drag[i, 0], drag[i, 1] = c * along - s * across - left_x, s * along + c * across - left_y
+        drag[i, 2] = part.friction[i, 2] * spin
+
+
+@compiled
+def fastest_rigid(
+    part: RigidKicks, scratch: ShapedScratch, parameters: Parameters, state: State, workspace: Workspace
+) -> float:
+    """The highest possible midstep speed of the center of any body, without contacts; NaN if any speed is NaN."""
+    drag_along(part, scratch, parameters, state, workspace.midstep_velocity, 0.0)
+    kick, velocity, force, drag, fastest = parameters.kick, state.velocity, workspace.force, scratch.drag, 0.0
+    for i in range(len(velocity)):
+        speed = math.sqrt(velocity[i, 0] ** 2 + velocity[i, 1] ** 2) if kick.decay[i] > 0.0 else 0.0
+        speed += kick.gain[i] * math.sqrt((force[i, 0] + drag[i, 0]) ** 2 + (force[i, 1] + drag[i, 1]) ** 2)
+        # Written so that a NaN is kept.
+        if fastest == fastest and not speed <= fastest:
+            fastest = speed
+    return fastest
+
+
+@compiled
+def add_rigid_work(
+    part: RigidKicks, scratch: ShapedScratch, parameters: Parameters, state: State, workspace: Workspace
+) -> None:
+    """Add the work of the flow and of a moving dish in a step, by their forces at its midpoint. With thermal noise, the
+    heat already contains this work.
+    """
+    velocity, power = workspace.midstep_velocity, 0.0
+    if parameters.drift.thermal > 0.0 or len(state.tally) <= WORK:
+        return
+    drag_along(part, scratch, parameters, state, velocity, 0.5)
+    for i in range(len(scratch.drag)):
+        for axis in range(3):
+            power += scratch.drag[i, axis] * velocity[i, axis]
+    state.tally[WORK] += parameters.time_step * power
 
 
 @compiled
@@ -322,7 +408,7 @@ def tip_travel(part: RigidKicks, scratch: ShapedScratch, parameters: Parameters,
     for i in range(len(state.turning)):
         decay, gain = slowed(part, parameters, i, 2)
         # Twice, for the second half kick of velocity Verlet.
-        turn = time * (decay * abs(state.turning[i, 1]) + 2.0 * gain * abs(scratch.torque[i]))
+        turn = time * (decay * abs(state.turning[i, 1]) + 2.0 * gain * abs(scratch.torque[i] + scratch.drag[i, 2]))
         if parameters.drift.thermal > 0.0:
             turn += NOISE_DEVIATIONS * math.sqrt(2.0 * diffusivity(parameters.drift.thermal, 1.0 / gain) * time)
         way = turn * parameters.floats.radius[i]
@@ -347,10 +433,10 @@ def predict_rigid(
     part: RigidKicks, parts: Parts, scratches: Scratch, parameters: Parameters, state: State, workspace: Workspace
 ) -> None:
     """Compute the midstep velocities by the first kick; `before` is the velocity without forces."""
-    load(state, scratches.integrator.midstep_velocity)
-    kick_twice(part, scratches.integrator, parameters, workspace.force)
+    load(state, workspace.midstep_velocity)
+    kick_twice(part, scratches.integrator, parameters, workspace)
     if parameters.drift.thermal > 0.0:
-        add_rigid_noise(part, scratches.integrator, parameters, int(state.step[0]))
+        add_rigid_noise(part, scratches.integrator, parameters, int(state.step[0]), workspace.midstep_velocity)
 
 
 SPINS = 1
@@ -358,11 +444,13 @@ SPINS = 1
 
 
 @compiled
-def add_rigid_noise(part: RigidKicks, scratch: ShapedScratch, parameters: Parameters, step: int) -> None:
+def add_rigid_noise(
+    part: RigidKicks, scratch: ShapedScratch, parameters: Parameters, step: int, velocity: Array
+) -> None:
     """Add Brownian motion to velocities and spins: displacements of variance 2 kT/zeta dt along each body, across it
     and of its angle.
     """
-    velocity, thermal, seed = scratch.midstep_velocity, parameters.drift.thermal, parameters.drift.seed
+    thermal, seed = parameters.drift.thermal, parameters.drift.seed
     for i in range(len(scratch.angle)):
         along, across = normals(counter_of(i, step, 0), seed)
         along *= noise_speed(thermal, slowed(part, parameters, i, 0)[1], parameters.time_step)
@@ -385,7 +473,7 @@ def add_rigid_heat(
     part: RigidKicks, scratch: ShapedScratch, parameters: Parameters, state: State, workspace: Workspace
 ) -> None:
     """Add the heat of half a step, by the forces and torques at its beginning or end."""
-    velocity, force, power = scratch.midstep_velocity, workspace.force, 0.0
+    velocity, force, power = workspace.midstep_velocity, workspace.force, 0.0
     if parameters.drift.thermal > 0.0 and len(state.tally) > WORK:
         for i in range(len(force)):
             power += force[i, 0] * velocity[i, 0] + force[i, 1] * velocity[i, 1] + scratch.torque[i] * velocity[i, 2]
@@ -393,11 +481,11 @@ def add_rigid_heat(
 
 
 @compiled
-def kick_twice(part: RigidKicks, scratch: ShapedScratch, parameters: Parameters, force: Array) -> None:
+def kick_twice(part: RigidKicks, scratch: ShapedScratch, parameters: Parameters, workspace: Workspace) -> None:
     """Compute the midstep velocities after a kick, and the velocities `before` after a kick without forces."""
-    copy(scratch.before, scratch.midstep_velocity)
-    kick(part, scratch, parameters, force, scratch.before, 0.0)
-    kick(part, scratch, parameters, force, scratch.midstep_velocity, 1.0)
+    copy(workspace.before, workspace.midstep_velocity)
+    kick(part, scratch, parameters, workspace.force, workspace.before, 0.0)
+    kick(part, scratch, parameters, workspace.force, workspace.midstep_velocity, 1.0)
 
 
 @compiled
@@ -406,7 +494,8 @@ def finish_rigid(
 ) -> None:
     """Apply the second half kick, if the scheme has one."""
     if parameters.scheme.half_kicks:
-        kick_twice(part, scratch, parameters, workspace.force)
+        drag_along(part, scratch, parameters, state, workspace.midstep_velocity, 1.0)
+        kick_twice(part, scratch, parameters, workspace)
 
 
 @compiled
@@ -416,9 +505,9 @@ def move_rigid(
     """Advance positions and angles with the midstep velocities."""
     time = parameters.time_step
     for i in range(len(state.position)):
-        state.position[i, 0] += time * scratch.midstep_velocity[i, 0]
-        state.position[i, 1] += time * scratch.midstep_velocity[i, 1]
-        scratch.angle[i] += time * scratch.midstep_velocity[i, 2]
+        state.position[i, 0] += time * workspace.midstep_velocity[i, 0]
+        state.position[i, 1] += time * workspace.midstep_velocity[i, 1]
+        scratch.angle[i] += time * workspace.midstep_velocity[i, 2]
         state.turning[i, 0] = scratch.angle[i]
 
 
@@ -441,9 +530,9 @@ def bound_rigid_travel(
 
 
 @compiled
-def store_rigid(part: RigidKicks, scratch: ShapedScratch, state: State) -> None:
+def store_rigid(part: RigidKicks, scratch: ShapedScratch, state: State, workspace: Workspace) -> None:
     """Store velocities and spins in the state."""
-    store(state, scratch.midstep_velocity)
+    store(state, workspace.midstep_velocity)
 
 
 @compiled
@@ -451,12 +540,12 @@ def collide_outlines(
     part: Outlined, scratch: ShapedScratch, parameters: Parameters, state: State, workspace: Workspace
 ) -> None:
     """Solve collisions, then a plastic solve for the midstep velocities, so that no float overlaps another."""
-    levers, velocities = scratch.levers, (scratch.before, scratch.midstep_velocity)
+    levers, velocities = scratch.levers, (workspace.before, workspace.midstep_velocity)
     bounce(part, scratch, parameters, state, levers, velocities, workspace.restitution)
     require_gaps(part.overlapping, parameters, levers)
     if parameters.drift.thermal > 0.0:
-        require_reflected_gaps(parameters, state, scratch)
-    solve_contacts(part, scratch, parameters, state, levers, scratch.midstep_velocity)
+        require_reflected_gaps(parameters, state, levers, workspace.midstep_velocity)
+    solve_contacts(part, scratch, parameters, state, levers, workspace.midstep_velocity)
 
 
 UNLIKELY = 20.0
@@ -464,13 +553,13 @@ UNLIKELY = 20.0
 
 
 @compiled
-def require_reflected_gaps(parameters: Parameters, state: State, scratch: ShapedScratch) -> None:
+def require_reflected_gaps(parameters: Parameters, state: State, levers: TorqueContacts, velocity: Array) -> None:
     """Require the gaps of reflected Brownian motions at the end of the step. This is exact for a single contact of a
     body. With several contacts at once, gaps far below kT over the force are too frequent, as in clusters of lasting
     contacts (`thermal_collisions`).
     """
-    levers, time = scratch.levers, parameters.time_step
-    touching.normal_velocities(levers, scratch.midstep_velocity, levers.scratch)
+    time = parameters.time_step
+    touching.normal_velocities(levers, velocity, levers.scratch)
     for row in range(levers.total[0]):
         gap, change = max(levers.gap[row], 0.0), time * levers.scratch[row]
         if levers.weight[row] > 0.0:
@@ -510,10 +599,10 @@ def constrain_outline_velocities(
     A faster approach than by the kick alone is a collision of the next step.
     """
     levers = scratch.levers
-    touching.normal_velocities(levers, scratch.before, levers.change)
-    touching.normal_velocities(levers, scratch.midstep_velocity, levers.scratch)
+    touching.normal_velocities(levers, workspace.before, levers.change)
+    touching.normal_velocities(levers, workspace.midstep_velocity, levers.scratch)
     require_rest(parameters, levers, 0.0)
-    solve_contacts(part, scratch, parameters, state, levers, scratch.midstep_velocity)
+    solve_contacts(part, scratch, parameters, state, levers, workspace.midstep_velocity)
 
 
 @compiled

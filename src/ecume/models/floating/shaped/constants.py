@@ -13,12 +13,13 @@ from ecume.engine.cells import Integers
 from ecume.engine.outlines import Outlines, Stance, bodies_near, turn_corners
 from ecume.errors import Fault, SceneError
 from ecume.models.floating.dishes import wall_strengths
+from ecume.models.floating.forces.flow_and_noise import fastest_at_nodes
 from ecume.models.floating.options import Built
 from ecume.models.floating.parameters import Parameters
 from ecume.models.floating.setup.kinds import distinct_kinds
 from ecume.models.floating.setup.places import given_places
 from ecume.models.floating.shaped.bodies import Shaped, body_pair_forces
-from ecume.models.floating.shaped.shapes import Figure, Skeleton, charges_of, silhouette
+from ecume.models.floating.shaped.shapes import Figure, Skeleton, charges_of, inner_radius
 from ecume.models.floating.time_integration.step_size import GOOD
 from ecume.units import Array
 
@@ -52,13 +53,8 @@ def shapes_of(parameters: Parameters, scene: FloatingScene) -> Built:
     strength = wall_strengths(scene, parameters.floats._replace(charge=shaped.charge))
     shaped = shaped._replace(wall_strength=strength)
     widths = np.array([inner_radius(figure.skeleton) for figure in figures])[number]
-    times = shortest_time(shaped, parameters, number), spinning_time(shaped, parameters, scene)
+    times = [shortest_time(shaped, parameters, number), spinning_time(shaped, parameters, scene), flow_time(parameters)]
     return Built(shaped, min(*times, diffusion_time(shaped, parameters.drift.thermal, widths)))
-
-
-def inner_radius(skeleton: Skeleton) -> float:
-    """The smallest distance of an outline from its center (m)."""
-    return float(np.hypot(*silhouette(skeleton).T).min())
 
 
 def diffusion_time(shaped: Shaped, thermal: float, width: Array) -> float:
@@ -83,6 +79,7 @@ def make_shaped(figures: Sequence[Figure], *, drag: bool = True) -> Shaped:
         wall_strength=np.zeros((0, 0)),
         inertia=np.array([figure.inertia for figure in figures]),
         friction=shares * np.array([figure.friction for figure in figures]),
+        elongation=np.array([figure.elongation for figure in figures]),
         places=_most_places([figure.skeleton for figure in figures]),
     )
 
@@ -145,6 +142,13 @@ def spinning_time(shaped: Shaped, parameters: Parameters, scene: FloatingScene) 
     spin = speed * math.sqrt(float(np.max(parameters.floats.mass / shaped.inertia)))
     spin += max((abs(row.spin) for row in scene.rows), default=0.0)
     return TURN / spin if spin > 0.0 else math.inf
+
+
+def flow_time(parameters: Parameters) -> float:
+    """The time (s) in which the flow of the surface turns a float by `TURN`, at least."""
+    drift = parameters.drift
+    rate = float(np.abs(drift.flow[2:]).sum()) + fastest_at_nodes(drift) / float(parameters.floats.radius.min())
+    return TURN / rate if rate > 0.0 else math.inf
 
 
 def _times(shaped: Shaped, parameters: Parameters, pair: tuple[int, int]) -> float:

@@ -15,6 +15,7 @@ from ecume.laws.contact_lines import (
     ellipsoid_friction,
     ellipsoid_turning_friction,
     ellipsoid_undulation,
+    elongation,
     needle_charge,
     spread_charges,
     star_charges,
@@ -51,6 +52,8 @@ class Figure(NamedTuple):
     """kg m^2"""
     friction: tuple[float, float, float]
     """along, across (N s/m), turning (N m s)"""
+    elongation: float = 0.0
+    """see `contact_lines.elongation`"""
     tips: float = 0.0
     """m: distance of the charges of the arms of a star from its center"""
 
@@ -99,7 +102,8 @@ def _ellipsoid(given: Given, liquid: flotation.Liquid) -> FloatingShape:
     mass = given.density * 4.0 / 3.0 * math.pi * math.prod(axes)
     wet = float(immersion.factor_at_filling(balance.filling_angle, liquid.share_above))
     inertia = mass * (axes[0] ** 2 + axes[1] ** 2) / 5.0
-    figure = Figure(skeleton_of(given.shape, given.radius), line, inertia, _friction(axes, wet, liquid))
+    friction, long = _friction(axes, wet, liquid), elongation(axes[0], axes[1])
+    figure = Figure(skeleton_of(given.shape, given.radius), line, inertia, friction, long)
     return FloatingShape(body, balance, mass, figure)
 
 
@@ -115,7 +119,7 @@ def _needle(given: Given, liquid: flotation.Liquid) -> FloatingShape:
     inertia += ends * (0.4 * thick**2 + 0.25 * straight**2 + 0.375 * straight * thick)
     wet = float(immersion.factor_at_filling(balance.filling_angle, liquid.share_above))
     friction = _friction((given.radius, thick, thick), wet, liquid)
-    figure = Figure(skeleton_of(given.shape, given.radius), line, inertia, friction)
+    figure = Figure(skeleton_of(given.shape, given.radius), line, inertia, friction, elongation(given.radius, thick))
     return FloatingShape(body, balance, shaft + ends, figure)
 
 
@@ -133,7 +137,7 @@ def _plate(given: Given, liquid: flotation.Liquid) -> FloatingShape:
     friction = _friction((even, even, 0.5 * thickness), WET, liquid)
     inertia = given.density * thickness * second
     tips = given.radius - skeleton.rounding if given.shape.kind == "star" else 0.0
-    figure = Figure(skeleton, line, inertia, friction, tips)
+    figure = Figure(skeleton, line, inertia, friction, tips=tips)
     return FloatingShape(body, balance, given.density * area * thickness, figure)
 
 
@@ -187,6 +191,11 @@ def round_figure(kind: flotation.Sphere | flotation.Disc, charge: float, mass: f
     line = Line(radius, radius, charge)
     skeleton = Skeleton(axes=(radius, radius))
     return Figure(skeleton, line, share * mass * radius**2, (friction, friction, turning))
+
+
+def inner_radius(skeleton: Skeleton) -> float:
+    """The smallest distance of an outline from its center (m)."""
+    return float(np.hypot(*silhouette(skeleton).T).min())
 
 
 def silhouette(skeleton: Skeleton, count: int = 120) -> Array:

@@ -125,7 +125,7 @@ def step(parts: Parts, scratches: Scratch, parameters: Parameters, state: State,
     kick_spins(parts.interactions, scratches.interactions, parameters, state, True)
     copy_rows(workspace.before, state.velocity)
     predict(parts.integrator, parts, scratches, parameters, state, workspace)
-    apply_resistances(parts.resistances, scratches.resistances, parameters, state, workspace)
+    apply_resistances(parts.resistances, scratches.resistances, parameters, state, workspace, True)
     contacts_before_drift(parts.contacts, scratches.contacts, parameters, state, workspace)
     add_work(parts.integrator, scratches.integrator, parameters, state, workspace)
     add_work_of_forces(parts.interactions, scratches.interactions, parameters, state, workspace)
@@ -137,9 +137,11 @@ def step(parts: Parts, scratches: Scratch, parameters: Parameters, state: State,
         evaluate(parts, scratches, parameters, state.position, workspace.lists, workspace.force)
     add_heat(parts.integrator, scratches.integrator, parameters, state, workspace)
     finish(parts.integrator, scratches.integrator, parameters, state, workspace)
+    if parameters.scheme.half_kicks:
+        apply_resistances(parts.resistances, scratches.resistances, parameters, state, workspace, False)
     if parameters.scheme.contacts_at_end:
         contacts_at_end(parts.contacts, scratches.contacts, parameters, state, workspace)
-    store(parts.integrator, scratches.integrator, state)
+    store(parts.integrator, scratches.integrator, state, workspace)
     kick_spins(parts.interactions, scratches.interactions, parameters, state, False)
     state.step[0] += 1
 

@@ -58,8 +58,10 @@ from ecume.models.floating.parameters import (
 from ecume.models.floating.shaped.bodies import (
     RigidKicks,
     add_rigid_heat,
+    add_rigid_work,
     begin_rigid,
     bound_rigid_travel,
+    fastest_rigid,
     finish_rigid,
     move_rigid,
     predict_rigid,
@@ -360,7 +362,7 @@ class Integrator(Option):
     floats travel as far as their centers
     """
     store: Callable[..., None] | None = None
-    """store(part, scratch, state): write velocities into the state at the end of a step"""
+    """store(part, scratch, state, workspace): write velocities into the state at the end of a step"""
     highest_speed: Callable[..., float] = fastest_kicked
     """highest_speed(part, scratch, parameters, state, workspace): without contacts and noise"""
     add_work: Callable[..., None] | None = add_work_of_kicks
@@ -375,6 +377,8 @@ class Integrator(Option):
     """scratch(part, workspaces of the interactions): the workspace"""
     compiled: bool = True
     """whether compiled code can call these functions; if not, Python runs the time steps"""
+    velocities: int = 2
+    """velocities of each float at midstep: two, or three with a spin"""
     pairs_worth: Callable[[Any], float] = lambda part: 0.0
     """pairs_worth(part): work of a time step in addition to lists, in pairs"""
     memory: Callable[[Any], float] = lambda part: 0.0
@@ -416,7 +420,7 @@ INTEGRATORS = {
     "semi-implicit-euler": _row(
         "semi-implicit-euler",
         Scheme(half_kicks=False, inertia=True, drifts_first=False, contacts_at_end=False, forces_at_end=True),
-        KICK_CAPABILITIES | {"springs", "turns bodies", "kicks before the drift"},
+        KICK_CAPABILITIES | {"springs", "turns bodies"},
     ),
     "rk4": _row(
         "rk4",
@@ -427,8 +431,7 @@ INTEGRATORS = {
     "overdamped": _row(
         "overdamped",
         Scheme(half_kicks=False, inertia=False, drifts_first=False, contacts_at_end=False, forces_at_end=True),
-        frozenset({"kicks at the ends", "sways", "kicks spins", "springs", "turns bodies", "kicks before the drift",
-                   "no inertia"}),
+        frozenset({"kicks at the ends", "sways", "kicks spins", "springs", "turns bodies", "no inertia"}),
         needs={"drag": "without inertia, drag alone says how fast a force moves a float"},
     ),
 }  # fmt: skip
@@ -446,8 +449,9 @@ RIGID = Integrator(
     slot="rigid integrator", path="particles", name="a float with a shape",
     scheme=Scheme(half_kicks=True, inertia=True, drifts_first=False, contacts_at_end=True, forces_at_end=True),
     constants=RigidKicks, predict=predict_rigid, finish=finish_rigid, move=move_rigid, begin=begin_rigid,
-    bound_travel=bound_rigid_travel, store=store_rigid, add_heat=add_rigid_heat,
-    scratch=lambda part, interactions: interactions[0],
+    bound_travel=bound_rigid_travel, store=store_rigid, add_heat=add_rigid_heat, add_work=add_rigid_work,
+    highest_speed=fastest_rigid,
+    scratch=lambda part, interactions: interactions[0], velocities=3,
 )  # fmt: skip
 """The row that replaces an integrator for floats with a shape."""
 
