@@ -10,6 +10,7 @@ midstep velocities, with the full mobility, keeps floats from overlapping after 
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -450,5 +451,6 @@ def keep_impulses(rows: DenseRows, contacts: Contacts, parameters: Parameters, s
             scratch.load[rows.place[row, entry]] += rows.value[row, entry] * rows.impulse[row]
 
 
-push = by_type({MobilityMatrix: push_by_matrix, MobilityOnGrid: push_by_products}.__getitem__, 0)
+PUSHES: dict[type, Callable[..., None]] = {MobilityMatrix: push_by_matrix, MobilityOnGrid: push_by_products}
+push = by_type(PUSHES.__getitem__, 0)
 """The solver of contacts for each mobility."""
