@@ -173,15 +173,11 @@ def _initial_state(scene: SoftScene, parameters: Parameters, state: State) -> li
         remark = f"by which forces on contacts still change within {duration_text(1.0 / rate)} when time 0 begins"
         rows.append(("relaxed to", f"{spec.relaxed:g}", remark))
     gaps = log_gaps_of(parameters, state)
-    narrowest = math.exp(gaps.min()) if len(gaps) else math.inf
-    return [
-        *rows,
-        (
-            "narrowest gap",
-            with_prefix(narrowest, "m"),
-            f"at the start, {narrowest / parameters.radius.min():.2g} radii",
-        ),
-    ]
+    if not len(gaps):
+        return [*rows, ("narrowest gap", "none", "at the start: no two spheres are near one another")]
+    narrowest = math.exp(gaps.min())
+    remark = f"at the start, {narrowest / parameters.radius.min():.2g} radii"
+    return [*rows, ("narrowest gap", with_prefix(narrowest, "m"), remark)]
 
 
 def jamming_fraction(radius: Array, dimensions: int) -> float:
