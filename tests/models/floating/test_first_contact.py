@@ -65,3 +65,14 @@ def test_check_says_that_floats_beyond_the_cutoff_do_not_attract_each_other():
     assert rows["first contact"] == (
         "not by attraction", "40 mm between the nearest two centers, beyond the cutoff: no float attracts another"
     )  # fmt: skip
+
+
+@pytest.mark.parametrize("change", [{"density": 500.0}, {"positions": [[1.2e-2, 0.0]]}])
+def test_check_says_that_a_contact_is_not_to_be_seen(change):
+    """Floats that repel, and floats 14 mm apart, whose attraction would take longer than ten durations."""
+    one = TWO["particles"][0]
+    two = [{**one, "positions": [[-2e-3, 0.0]]}, {"positions": [[2e-3, 0.0]], **one, **change}]
+    if "density" in change:
+        two[1]["positions"] = [[2e-3, 0.0]]
+    rows = {name: value for name, value, _ in summary(from_plain({**TWO, "duration": 0.2, "particles": two}))}
+    assert rows["first contact"] == "not within 2 s"

@@ -207,7 +207,7 @@ def _summary_of_added_mass(parameters: Parameters, scene: FloatingScene) -> list
         for kind in set(spheres)
     ]
     lacking = "of the mass of a float; hydrodynamics.added_mass = true includes it"
-    return [("added mass", f"up to {100.0 * max(shares):.2g} %", lacking)]
+    return [("added mass", f"up to {round(100.0 * max(shares), 1):.3g} %", lacking)]
 
 
 def meeting_speed(parameters: Parameters) -> float:

@@ -21,6 +21,8 @@ from ecume.units import with_prefix
 FINE = 0.01
 """The relative change of gap and speed in a step."""
 MOST_STEPS = 4000
+FORESEEN = 10.0
+"""The time for which a contact is sought, over the duration."""
 NEAREST = 4
 """Pairs that are followed: those with the narrowest gaps."""
 LEAST = 1e-7
@@ -98,13 +100,17 @@ def _meeting_time(parameters: Parameters, state: State, pair: tuple[int, int], l
 
 
 def contact_row(scene: FloatingScene, parameters: Parameters, state: State) -> list[tuple[str, str, str]]:
-    """The row of `ecume check` on the first contact, with suggested times of frames. Without a contact it is empty,
-    except where all floats are too far apart to attract each other.
+    """The row of `ecume check` on the first contact, with suggested times of frames; whether floats repel or are too
+    far apart. It is empty where something else than forces determines the first contact.
     """
-    time = first_contact(parameters, state, 10.0 * scene.duration)
+    longest = FORESEEN * scene.duration
+    time = first_contact(parameters, state, longest)
     if time == math.inf and (apart := _nearest_distance(parameters, state)) > parameters.cutoff:
         far = f"{with_prefix(apart, 'm')} between the nearest two centers, beyond the cutoff: no float attracts another"
         return [("first contact", "not by attraction", far)]
+    if time == math.inf and min(_nearest_gaps(parameters, state).values(), default=0.0) > 0.0:
+        cause = "the nearest two floats, alone, repel each other or start too far apart for this duration"
+        return [("first contact", f"not within {with_prefix(longest, 's')}", cause)]
     return event_row("first contact", time, (scene.duration, scene.frame_every), "of the nearest two floats, alone")
 
 
