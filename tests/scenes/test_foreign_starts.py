@@ -13,6 +13,7 @@ import pytest
 import ecume
 from ecume.errors import SceneError
 from ecume.scenes.schema import from_plain, to_plain
+from ecume.scenes.starts import StartSpec
 from ecume.trajectories.foreign import gsd as gsd_files
 from ecume.trajectories.foreign import lammps, xyz
 from ecume.trajectories.foreign.particles import MOST_PARTICLES
@@ -594,3 +595,10 @@ def test_a_tilted_box_and_lost_positions_are_refused_in_a_periodic_tank(
     scene = PERIODIC.replace("density = 1000 }}", 'density = 1000, radius = "0.5 mm" }}')
     found = faults(folder, scene.format(file="start.dump", height=""))
     assert any(fault in one for one in found), found
+
+
+@pytest.mark.parametrize(("unit", "meters"), [("1 nautical_mile", 1852.0), ("100 km", 1e5), ("1 nm", 1e-9)])
+def test_lengths_of_files_may_be_in_miles(unit, meters):
+    assert StartSpec(file="drifters.xyz", length_unit=unit).length_unit == pytest.approx(meters)
+    with pytest.raises(SceneError, match="length_unit"):
+        StartSpec(file="drifters.xyz", length_unit="1 light_year")

@@ -26,13 +26,13 @@ from pydantic import Field, TypeAdapter, ValidationError
 from ecume.errors import BadInput
 from ecume.scenes.common import dataclass
 from ecume.scenes.faults import Complaints, Inconsistent, Path, echo, faults_of, suggestion
-from ecume.scenes.quantities import STRICT, BodyMass, Duration, InPlane, Name, Size, sides_along
+from ecume.scenes.quantities import STRICT, BodyMass, Duration, InPlane, Name, sides_along
 from ecume.scenes.tables import COMPRESSED, MOST_BYTES, beside, lines_of, require_there, table_text, text_of
 from ecume.trajectories.foreign import series
 from ecume.trajectories.foreign.particles import FileFault, Particles
 from ecume.trajectories.foreign.series import Series
 from ecume.trajectories.frame import Frame, omitted_from
-from ecume.units import Unit
+from ecume.units import Length, Unit
 
 RUN, TABLE = "start_from", "particles_from"
 PLACES = {"x": "m", "y": "m", "z": "m", "radius": "m", "name": ""}
@@ -48,6 +48,8 @@ FORMATS = {
 ANOTHER_FRAME = re.compile(r"(.+)@(-?[0-9]{1,9})")
 FAR = 1e9
 """The number of sides beyond which positions are no longer moved into a periodic tank: they are faults of a file."""
+FARTHEST_UNIT = 1e6
+"""The largest unit of length of a file (m): places at sea are in nautical miles or in 100 km."""
 ALIKE = 1e-5
 """The relative difference below which sides count as equal, since files hold them in single precision."""
 FLAT = 1e-6
@@ -63,7 +65,7 @@ class StartSpec:
     """The file, beside the scene's: GSD (`.gsd`), XYZ or extended XYZ (`.xyz`, `.extxyz`), LAMMPS data (`.data`,
     `.lmp`), LAMMPS dumps (`.dump`, `.lammpstrj`, `.yaml`), DCD (`.dcd`); texts also compressed (`.gz`).
     `NAME@FRAME` is a frame, by default the last one. Example: `"packing.gsd@-1"`. Effect: sets the start."""
-    length_unit: Size
+    length_unit: Annotated[Length, Field(gt=0.0, le=FARTHEST_UNIT)]
     """The unit of length of the file, such as 1 mm where one sigma means a millimeter (m). Effect: scales positions
     and diameters."""
     time_unit: Duration | None = None
