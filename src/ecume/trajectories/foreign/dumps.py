@@ -172,7 +172,8 @@ def _particles(table: Table) -> Particles:
         sides, tilt, turned = edges_of(lattice.T)
         images = None if images is None else images @ turned
     else:
-        sides, tilt = lattice.diagonal(), float(np.abs(lattice - np.diag(lattice.diagonal())).max())
+        x, y, z = lattice.diagonal().tolist()
+        sides, tilt = (x, y, z), float(np.abs(lattice - np.diag(lattice.diagonal())).max())
     return Particles(
         names, kind[len(names) :], position, velocity, diameter, given["mass"], density,
         box_of(sides), tilt, images, table.instant, table.timed,
