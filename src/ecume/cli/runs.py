@@ -193,9 +193,10 @@ def run(
     changes, table = overrides or [], thermo_table(thermo, thermo_columns, thermo_every)
     directory = out or RUNS / scene.stem
     with integrating(engine, ranks) as led:
-        with questioned(scene, changes), placed(scene, changes):
+        with questioned(scene, changes):
             asked = load_scene(scene, changes)
-            require_modest(asked)
+            with placed(scene, changes):
+                require_modest(asked)
         if not quiet:
             for key, text in questions(scene, changes):
                 warned(f"{key}: {text}")

@@ -173,9 +173,10 @@ def check(scene: SceneFile, overrides: Overrides = None, laws: Laws = None, json
     from ecume.scenes.valid_part import load_and_examine
 
     changes = overrides or []
-    with questioned(scene, changes), placed(scene, changes):
+    with questioned(scene, changes):
         asked = load_and_examine(scene, changes, examine)
-        require_modest(asked)
+        with placed(scene, changes):
+            require_modest(asked)
     from ecume.run.selection import names_quantities
 
     if not laws and not names_quantities(asked):
