@@ -6,8 +6,8 @@ without a period. Positions need not lie inside the box.
 Particles are sorted by counting: linear in their number, and stable, so that the order is always the same. Along a
 periodic axis a whole number of cells fills the period.
 
-Images of particles behind planes: mirrored ones, which keep a kernel's surroundings full at a wall, and shifted ones
-behind the sides of a periodic box.
+Behind planes particles have images: mirrored ones at walls, which supply missing neighbors, and shifted ones behind the
+sides of a periodic box.
 
 The sides are processed one after the other, and later sides also mirror the images of earlier ones, so that corners are
 complete.
@@ -91,8 +91,8 @@ class Cells(NamedTuple):
 
 
 def make_cells(count: int, dimension: int, periods: Array | None = None) -> Cells:
-    """Arrays for `count` particles. Cells are larger in sparse systems, so that there are never many more than
-    particles.
+    """Arrays for `count` particles. Cells are larger in sparse systems, so that their number does not much exceed that
+    of particles.
     """
     return Cells(
         low=np.zeros(dimension),
@@ -159,7 +159,7 @@ def sort_into_cells(cells: Cells, position: Array, reach: float) -> None:
         cell = cells.cell[i]
         cells.start[cell + 1] -= 1
         cells.order[cells.start[cell + 1]] = i
-    # The loop moved each start to the end of its cell: shift them by one.
+    # The loop moved each start to the end of its cell: shift the starts by one cell.
     for cell in range(total):
         cells.start[cell] = cells.start[cell + 1]
     cells.start[total] = count
@@ -190,7 +190,7 @@ class Images(NamedTuple):
 def images_of(position: Array, sides: Sides, reach: float) -> Images:
     """The images closer than `reach` to each side, of particles at `position`, (d, N).
 
-    Images that are behind a side already have no image there: the images of a periodic side would coincide with their
+    Images that are already behind a side have no image there, since those of a periodic side would coincide with their
     sources.
     """
     found, start = [np.empty(0, np.int64)], [0]

@@ -17,7 +17,7 @@ from ecume.errors import BadInput, StorageError, install
 
 
 def ffmpeg() -> str | None:
-    """The path of ffmpeg: of the system, or of the package imageio-ffmpeg; None if neither exists."""
+    """The path of ffmpeg, from the system or from the package imageio-ffmpeg; None if neither exists."""
     found = shutil.which("ffmpeg")
     if found is not None:
         return found
@@ -25,7 +25,7 @@ def ffmpeg() -> str | None:
         from imageio_ffmpeg import get_ffmpeg_exe
 
         path: str = get_ffmpeg_exe()
-    except (ImportError, RuntimeError):  # the package is optional, and does not contain the program for all machines
+    except (ImportError, RuntimeError):  # the package is optional, and does not contain ffmpeg for all machines
         return None
     return path
 

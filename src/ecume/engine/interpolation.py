@@ -2,10 +2,11 @@
 
 The caller supplies the weights: this file contains no kernel.
 
-Charges onto a square grid and fields back to them, by B-splines; the same bits for any number of threads.
+B-splines assign charges to a square grid, and interpolate fields at the charges, with the same bits for any number of
+threads.
 
-A spline of order p spreads a particle over p x p points: weights add up to one, and are p - 2 times smooth. Each row
-of the grid is written by one thread, which takes the particles that reach it in their order.
+A spline of order p distributes a particle over p x p points: weights add up to one, and have p - 2 continuous
+derivatives. Each row of the grid is written by one thread, which adds the particles within reach in their order.
 """
 
 from __future__ import annotations
@@ -104,7 +105,7 @@ def _mean_of_pairs(pairs: Near, weight: Array, values: Array) -> Array:
 
 
 def _shaped(numbers: Array, like: Array) -> Array:
-    """The numbers with further axes, so that each multiplies one row of `like`."""
+    """The numbers with additional axes, so that each multiplies one row of `like`."""
     return numbers.reshape(numbers.shape + (1,) * (like.ndim - 1))
 
 

@@ -55,7 +55,7 @@ def _tree(data: bytes) -> tuple[Boxes, cKDTree]:
     order = np.arange(len(points))
     bounds: list[Array] = []
     after, first, end = list[int](), list[int](), list[int]()
-    # A stack of parts of `order` that remain to be divided; None marks the end of a divided box.
+    # A stack of parts of `order` that are not divided yet; None marks the end of a divided box.
     waiting: list[tuple[int, int] | int] = [(0, len(order))]
     while waiting:
         part = waiting.pop()

@@ -65,8 +65,8 @@ def empty_lists(centers: int) -> Lists:
 
 
 def pairs_in(lists: Lists, count: int) -> tuple[Integers, Integers]:
-    """The pairs of the first `count` particles with their neighbors, without padding: the particle of each, and the
-    place of its neighbor in the list.
+    """The pairs of the first `count` particles with their neighbors, without padding: the particle of each pair, and
+    the index of its neighbor in the list.
 
     >>> mine, place = pairs_in(Lists(np.ones(2, np.int32), np.array([0, 8, 16]), np.zeros(16, np.int32)), 2)
     >>> mine.tolist(), place.tolist()
@@ -86,8 +86,8 @@ def whole(count: int) -> np.uint64:
 def grid_around(position: Array, reach: float) -> Grid:
     """The grid of cells for positions (d, N).
 
-    There are never many more cells than particles: the grid excludes outliers, and cells are larger in sparse
-    systems.
+    The number of cells does not much exceed that of particles: the grid excludes outliers, and cells are larger in
+    sparse systems.
     """
     most = 2.0 * position.shape[1] + 64.0
     low, high = position.min(axis=1), position.max(axis=1)
@@ -165,7 +165,7 @@ def neighbor_lists(position: Array, passive: tuple[int, int], reach: float, befo
 
     Particles from `passive[0]` up to `passive[1]` are not neighbors of each other: walls do not act on walls. The
     arrays of the previous lists are reused; a larger one replaces theirs. Neighbors are counted first, which takes a
-    third of the search, so that no row has more room than it needs.
+    third of the search time, so that each row has exactly the required length.
     """
     if not position.shape[1]:
         return before
@@ -196,8 +196,8 @@ def _search(
 ) -> None:  # fmt: skip
     """Count the neighbors of each particle, or fill its row.
 
-    Distances of a run first, then its indices, each written over the last one that was too far: two loops without a
-    branch.
+    Two loops avoid branches: the first computes the distances of a run, the second writes the indices, each over the
+    previous one if that was too far.
     """
     dimension, particles = position.shape
     first, last, longest = limits[0], limits[1], limits[2]

@@ -1,7 +1,8 @@
 """Verlet neighbor lists: full lists with a skin, valid while no particle has moved by more than half of the skin.
 
-Particles are renumbered cell by cell ("slots") so that neighbors are close in memory. The list of each slot has all its
-neighbors in ascending order: sums over all of them, or over the later ones, which is each pair once, have one order.
+Particles are renumbered cell by cell ("slots") so that neighbors are close in memory. The list of each slot contains
+all its neighbors in ascending order. This fixes the order of sums over all neighbors, and over the later ones only, in
+which each pair occurs once.
 """
 
 from __future__ import annotations
@@ -30,8 +31,8 @@ Span = tuple[int, int, int]
 
 
 class Rows(NamedTuple):
-    """The neighbors of slot s are the slots `neighbor[first[s]:first[s + 1]]`. The tuple is flat, since Numba's threads
-    take no nested tuples.
+    """Lists of neighbors: those of slot s are the slots `neighbor[first[s]:first[s + 1]]`. The tuple is flat, since
+    threads in Numba do not support nested tuples.
     """
 
     first: Integers
@@ -49,7 +50,7 @@ class Rows(NamedTuple):
 
 
 class NeighborLists(NamedTuple):
-    """Slot s is particle `cells.order[s]`; its neighbors are in `rows`."""
+    """The neighbor lists of a system. Slot s is particle `cells.order[s]`; its neighbors are in `rows`."""
 
     cells: Cells
     rows: Rows
@@ -104,7 +105,7 @@ def _beside(place: int, number: int, cells: int, periodic: bool) -> int:
 
 @compiled_inside
 def _runs(cells: Cells) -> int:
-    """The number of runs of slots around a cell, including empty ones."""
+    """The number of runs of slots around a cell, including empty runs."""
     last = len(cells.shape) - 1
     runs = 2 if cells.periods[0, last] > 0.0 else 1
     for _ in range(last):
@@ -114,9 +115,9 @@ def _runs(cells: Cells) -> int:
 
 @compiled_inside
 def _run_beside(cells: Cells, cell: int, number: int) -> tuple[int, int]:
-    """The slots, from the first and up to the last, of a run of neighboring cells, in ascending order; none outside
-    the grid. There is one run in each of the 3^(d - 1) rows around `cell`, and two if the last axis is periodic:
-    the cells across its border are separate.
+    """The slots, from the first up to one after the last, of a run of neighboring cells, in ascending order; none
+    outside the grid. Each of the 3^(d - 1) rows around `cell` has one run, or two if the last axis is periodic, since
+    the cells across the border are separate.
     """
     shape, last = cells.shape, len(cells.shape) - 1
     along, stride, row, inside = cell % shape[last], shape[last], 0, True
@@ -159,7 +160,7 @@ def _longest_run(cells: Cells, count: int) -> int:
 
 @compiled
 def _count(cells: Cells, x: Array, slots: Span, reach: float, first: Integers, later: Integers) -> None:
-    """Count the neighbors of some slots, into `first[slot + 1]`, and the earlier ones, into `later`."""
+    """Count the neighbors of some slots in `first[slot + 1]`, and their earlier neighbors in `later`."""
     square, distance = reach * reach, np.empty(slots[2], np.float64)
     for slot in range(slots[0], slots[1]):
         cell, found, earlier = cells.cell[cells.order[slot]], 0, 0
@@ -188,8 +189,8 @@ def _nearer(distance: Array, square: float) -> int:
 def _write(cells: Cells, x: Array, slots: Span, reach: float, first: Integers, neighbor: Slots) -> None:
     """Write the neighbors of some slots.
 
-    For loops without branches, the distances of a run are computed first. Then each slot is written, and the next one
-    overwrites it if it was too far.
+    To avoid branches, the distances of a run are computed first. Then each slot is written, and overwritten by the next
+    one if it was too far.
     """
     square, distance = reach * reach, np.empty(slots[2], np.float64)
     found = np.empty(_runs(cells) * slots[2] + 1, np.uint32)
@@ -211,7 +212,7 @@ def _write(cells: Cells, x: Array, slots: Span, reach: float, first: Integers, n
 
 @compiled_inside
 def _squares_of(periods: Array, x: Array, slot: int, start: int, distance: Array) -> None:
-    """The squared distances of a slot from a run of others."""
+    """The squared distances of a slot from the slots of a run."""
     place = np.uint64(start)
     distance[:] = 0.0
     for axis in range(x.shape[0]):
@@ -226,8 +227,8 @@ def _squares_of(periods: Array, x: Array, slot: int, start: int, distance: Array
                 distance[n] += apart * apart
 
 
-# Inside a prange Numba writes to a copy of an array in a tuple, so that arrays are passed separately. Slots are signed
-# in both, so that one compilation serves both.
+# Inside a prange, Numba writes to a copy of an array in a tuple; arrays are therefore passed separately. Slots are
+# signed in both functions, so that they share one compilation.
 
 
 @threaded
@@ -274,8 +275,8 @@ def count_neighbors(lists: NeighborLists, position: Array, reach: float, slots: 
 
 @compiled
 def make_room(lists: NeighborLists) -> bool:
-    """Turn counts into offsets of rows, and divide the rows among threads. False if the capacity is too small: the
-    lists are then empty.
+    """Convert counts to offsets of rows, and divide the rows among threads. Returns False, with empty lists, if the
+    capacity is too small.
     """
     first, later = lists.rows.first, lists.rows.later
     first[0] = 0

@@ -1,14 +1,15 @@
 """Outlines and closed meshes: bodies in 2D with distance, nearest points and normal of two, and parts of space that no
 formula describes.
 
-Ellipses: distance and nearest points of two, and extent of one. The distance of two ellipses is the width of the widest
-strip between them, so its direction is searched.
+The distance of two ellipses is the width of the widest strip between them; the direction of this strip is found by a
+search.
 
-An outline is an ellipse (a disc is one), or corners and edges with a disc that runs along them: a needle is one edge, a
-square four, a star as many as it has arms. All contacts but those of two ellipses are therefore contacts of discs and
-straight edges, for convex shapes and others. Contacts of two ellipses are those of `ellipses_near`.
+An outline is an ellipse (a disc is a special case), or the area that a disc covers while it moves along edges: a needle
+has one edge, a square four, a star as many as it has arms. All contacts but those of two ellipses are therefore
+contacts of discs and straight edges, for convex shapes and others. Contacts of two ellipses are those of
+`ellipses_near`.
 
-Parts of space that no formula describes: inside a closed surface of triangles, or around given points.
+Parts of space without a formula are the inside of a closed surface of triangles, or cubes around given points.
 """
 
 from __future__ import annotations
@@ -72,8 +73,9 @@ def widest_strip(x: float, y: float, one: Ellipse, other: Ellipse, reach: float)
     """The direction of the widest strip between two ellipses; any direction with a width above
     `reach`.
 
-    Where they are apart the width has one maximum; overlapping ones have several, and the highest is taken. It is
-    bracketed from the best of some directions, those across each ellipse among them, and found by Newton's method.
+    For separate ellipses the width has one maximum; for overlapping ones it has several, of which the highest is used.
+    It is bracketed around the best of some directions, including those across each ellipse, and found by Newton's
+    method.
     """
     ahead = math.atan2(y, x)
     best, direction = strip(x, y, one, other, ahead)[0], ahead
@@ -95,7 +97,9 @@ def widest_strip(x: float, y: float, one: Ellipse, other: Ellipse, reach: float)
 
 @compiled
 def climb(x: float, y: float, one: Ellipse, other: Ellipse, direction: float) -> float:
-    """The direction of the maximum of the strip's width next to a direction, by the zero of its derivative."""
+    """The direction of the local maximum of the width of the strip, found as the zero of its derivative near a
+    direction.
+    """
     slope = strip(x, y, one, other, direction)[1]
     if slope == 0.0:
         return direction
@@ -179,7 +183,7 @@ class Outlines(NamedTuple):
 
 
 class Stance(NamedTuple):
-    """The positions and orientations of all bodies."""
+    """The positions and angles of all bodies."""
 
     position: Array
     """(N, 2)"""
@@ -191,7 +195,7 @@ class Stance(NamedTuple):
 
 @compiled
 def turn_corners(outlines: Outlines, stance: Stance) -> None:
-    """Compute the corners at the present angles."""
+    """Compute the positions of the corners at the present angles."""
     for i in range(len(stance.angle)):
         c, s = math.cos(stance.angle[i]), math.sin(stance.angle[i])
         for k in range(outlines.first_corner[i], outlines.first_corner[i + 1]):
@@ -201,7 +205,7 @@ def turn_corners(outlines: Outlines, stance: Stance) -> None:
 
 @compiled_inside
 def discs_near(x: float, y: float, one: float, other: float) -> tuple[float, float, float]:
-    """The gap of two discs and the direction from one to the other; the first axis if the centers coincide."""
+    """The gap of two discs and the direction from one to the other; the x axis if the centers coincide."""
     distance = math.sqrt(x * x + y * y)
     if distance == 0.0:
         return -one - other, 1.0, 0.0
@@ -210,8 +214,8 @@ def discs_near(x: float, y: float, one: float, other: float) -> tuple[float, flo
 
 @compiled_inside
 def beside_edge(point_x: float, point_y: float, ends: tuple[float, float, float, float]) -> tuple[float, float, float]:
-    """The projection of a point on an edge (0 to 1 between its ends), and the normal of the edge on
-    the point's side.
+    """The projection of a point on an edge (0 to 1 between its ends), and the normal of the edge on the side of the
+    point.
     """
     x, y, to_x, to_y = ends
     along_x, along_y = to_x - x, to_y - y
@@ -330,7 +334,9 @@ def ellipse_near_corners(
 
 @compiled
 def bodies_near(outlines: Outlines, stance: Stance, i: int, j: int, reach: float, near: Array) -> int:
-    """Record all features at which two bodies, i < j, are nearer than `reach`, up to the room; return their number."""
+    """Record all features at which two bodies, i < j, are nearer than `reach`, as far as there is room; return their
+    number.
+    """
     smooth_i, smooth_j = outlines.axes[i, 0] > 0.0, outlines.axes[j, 0] > 0.0
     if smooth_i and smooth_j:
         x, y = stance.position[j, 0] - stance.position[i, 0], stance.position[j, 1] - stance.position[i, 1]
@@ -477,7 +483,7 @@ class Mesh(NamedTuple):
         return bool(((points >= low) & (points <= high)).all()) and bool(self.inside(points).all())
 
     def way_out(self, points: Array, direction: Array) -> Array:
-        """The distance to the nearest triangle ahead; zero if it meets no triangle."""
+        """The distance to the nearest triangle ahead; zero if the ray meets no triangle."""
         way = np.full(len(points), np.inf)
         for found in self._crossings(points, direction):
             np.minimum.at(way, found.ray, found.distance)
@@ -503,12 +509,12 @@ class Mesh(NamedTuple):
         return _volume_of(self.triangles.tobytes())[1]
 
     def lengths(self) -> tuple[float, float, float]:
-        """The lengths of parallel rays along z: inside the mesh, and inside of more than one shell; and the area per
-        ray. Rays through an edge meet both of its triangles, of which one counts.
+        """The lengths of parallel rays along z: inside the mesh, and inside more than one shell; and the area per ray.
+        A ray through an edge meets both of its triangles, but counts one.
         """
         low, high = self.bounds()
         cell = (high - low)[:2] / COLUMNS
-        # Between the nodes of a lattice, since edges of drawn objects are rarely there.
+        # Between the nodes of a lattice, since edges of drawn objects are rarely at such positions.
         x, y = (low[axis] + (np.arange(COLUMNS) + 0.4877) * cell[axis] for axis in (0, 1))
         below = np.full(COLUMNS**2, 2.0 * low[2] - high[2])
         starts = np.column_stack([np.repeat(x, COLUMNS), np.tile(y, COLUMNS), below])
@@ -637,7 +643,7 @@ class Mesh(NamedTuple):
         """Yield the crossings of rays from points with triangles, for some points at a time; a ray is compared with the
         triangles of its bucket.
 
-        By Moller and Trumbore's algorithm; a ray along a triangle's own plane misses it.
+        The algorithm is that of Moller and Trumbore; a ray parallel to the plane of a triangle misses it.
         """
         corner = self.triangles[:, 0]
         one, other = self.triangles[:, 1] - corner, self.triangles[:, 2] - corner
@@ -675,8 +681,8 @@ def _volume_of(data: bytes) -> tuple[float, bool]:
 
 
 def outward(triangles: Array) -> Array:
-    """The triangles (T, 3, 3) of closed shells, turned where a shell is inside out. A shell of the other sense that is
-    inside of another one is a cavity and stays; the sense is that of the largest shell.
+    """The triangles (T, 3, 3) of closed shells, reversed where a shell is inside out. A shell of opposite orientation
+    inside another shell is a cavity and remains unchanged; the reference orientation is that of the largest shell.
     """
     count, shell = _shells(triangles)
     if count == 1:
@@ -693,7 +699,7 @@ def outward(triangles: Array) -> Array:
 
 
 def _shells(triangles: Array) -> tuple[int, Integers]:
-    """The number of closed surfaces that share no edge, and that of each triangle (T,)."""
+    """The number of closed surfaces without common edges, and the surface of each triangle (T,)."""
     corners = triangles.reshape(-1, 3)
     close = SAME * float(np.ptp(corners, axis=0).max())
     place = np.unique(np.round(corners / close), axis=0, return_inverse=True)[1].reshape(-1, 3)
@@ -780,7 +786,7 @@ class Cloud(NamedTuple):
         return float(product(self.points, direction).max()) + 0.5 * self.spacing * length(direction)
 
     def inside(self, points: Array) -> Flags:
-        """Whether points are within half a spacing of one of the points along each axis."""
+        """Flags of the points that are within half a spacing of one of the cloud's points along each axis."""
         from scipy.spatial import cKDTree
 
         distance, _ = cKDTree(self.points).query(points, p=np.inf)

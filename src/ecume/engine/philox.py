@@ -1,5 +1,4 @@
-"""Counter-based random numbers: a function of particle, step and purpose, independent of threads
-and restarts.
+"""Counter-based random numbers: functions of particle, step and purpose, independent of threads and restarts.
 
 Philox4x32-10 [salmon2011]: ten rounds of multiplication scramble a counter under a key.
 """
@@ -23,7 +22,7 @@ def philox(counter: Words, key: tuple[int, int]) -> Words:
     a, b, c, d = counter
     k, m = key
     for _ in range(ROUNDS):
-        # Products of two words overflow signed 64 bits; their halves are still right.
+        # Products of two words overflow signed 64 bits, but their high and low halves are still correct.
         first, second = MULTIPLIER_0 * a, MULTIPLIER_1 * c
         a, b, c, d = (
             ((second >> 32) & WORD) ^ b ^ k,
@@ -37,14 +36,14 @@ def philox(counter: Words, key: tuple[int, int]) -> Words:
 
 @compiled_inside
 def uniforms(counter: Words, seed: int) -> tuple[float, float]:
-    """Two numbers in (0, 1), 53 bits each, of a counter (four words) and a seed."""
+    """Two numbers in (0, 1), with 53 random bits each, from a counter (four words) and a seed."""
     a, b, c, d = philox(counter, (seed & WORD, (seed >> 32) & WORD))
     return ((a >> 6) * 134217728.0 + (b >> 5) + 0.5) / 2.0**53, ((c >> 6) * 134217728.0 + (d >> 5) + 0.5) / 2.0**53
 
 
 @compiled_inside
 def normals(counter: Words, seed: int) -> tuple[float, float]:
-    """Two independent normal numbers of mean 0 and variance 1, by the Box-Muller transform."""
+    """Two independent, normally distributed numbers with mean 0 and variance 1, by the Box-Muller transform."""
     first, second = uniforms(counter, seed)
     away, angle = math.sqrt(-2.0 * math.log(first)), 2.0 * math.pi * second
     return away * math.cos(angle), away * math.sin(angle)

@@ -42,7 +42,7 @@ class Region(NamedTuple):
 
     @property
     def periods(self) -> Array:
-        """See `ecume.engine.cells`."""
+        """The periods of the region: see `ecume.engine.cells`."""
         if not self.periodic:
             return no_periods(2)
         return periods_of([high - low for low, high in zip(self.low, self.high, strict=True)])
@@ -64,9 +64,9 @@ class _Grid(NamedTuple):
 
 def place_at_random(radius: Array, region: Region, taken: tuple[Array, Array], seed: int) -> Array:
     """The centers of discs that overlap neither each other, nor the walls, nor existing discs (`taken`: centers,
-    radii). The largest are placed first, each at uniformly random points of the region until it fits. If that fails,
-    raises BadInput with the number that would fit: random placement jams when a little more than half of the surface is
-    covered.
+    radii). The largest discs are placed first, each at uniformly random points of the region until it fits. Raises
+    BadInput, with the number that would fit, if that fails: random placement jams when a little more than half of the
+    surface is covered.
     """
     centers = np.concatenate([taken[0].reshape(-1, 2), np.zeros((len(radius), 2))])
     radii = np.concatenate([taken[1], np.sort(radius)[::-1]])
@@ -102,13 +102,13 @@ def _most_tries(count: int) -> int:
 
 
 def _covered(radii: Array, region: Region) -> float:
-    """The area of the discs over that of the region."""
+    """The area of the discs over the area of the region."""
     area = (region.high[0] - region.low[0]) * (region.high[1] - region.low[1])
     return math.pi * float((radii**2).sum()) / min(area, surfaces.area(region.walls))
 
 
 def _overfull(radii: Array, start: int, region: Region) -> str:
-    """The error message for discs with a larger area than the region has."""
+    """The error message for discs whose area exceeds that of the region."""
     covered = _covered(radii, region)
     placed = int(np.searchsorted(np.cumsum(radii**2), AT_RANDOM / covered * float((radii**2).sum())))
     return (

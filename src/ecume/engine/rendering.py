@@ -1,12 +1,13 @@
 """Rendering of pictures: discs and shaded balls painted in order, and parallel rays through fields
 on a grid.
 
-Discs and lit balls painted into pixels, one after the other: later ones lie on earlier ones. Edges cover the pixels
-that they cross in part. Bands of rows are painted side by side, each by one thread, so that the pixels do not depend on
-how many there are.
+Discs and lit balls are painted into pixels one after the other, later ones over earlier ones. Pixels on an edge are
+covered partly. Bands of rows are painted in parallel, each by one thread, so that the pixels do not depend on the
+number of threads.
 
-Parallel rays through fields on a grid of cells: where they meet a liquid and a solid, and their way in the liquid. A
-field is above 0 inside. Between the centers of cells it is linear along each axis; beyond the outer ones constant.
+Parallel rays through fields on a grid of cells record where they meet a liquid and a solid, and the length of their
+path in the liquid. A field is positive inside. Between the centers of cells it is linear along each axis; beyond the
+outermost centers it is constant.
 """
 
 from __future__ import annotations
@@ -80,7 +81,7 @@ def _paint_rows(pixels: Pixels, dots: Dots, look: Look, rows: tuple[int, int]) -
 
 @compiled_inside
 def _paint_row(pixels: Pixels, row: int, disc: Disc, colors: tuple[Color, Color], look: tuple[bool, float]) -> None:
-    """Paint one row of one disc: edge, inside, edge."""
+    """Paint one row of one disc: left edge, inside, right edge."""
     across, up, radius = disc[0], row + 0.5 - disc[1], disc[2]
     ball, rim = look
     start, stop = _span(across, up, radius + 0.5, (0, pixels.shape[1]))
@@ -166,7 +167,7 @@ class Block(NamedTuple):
 
 
 class Eye(NamedTuple):
-    """The image plane, from which rays start, and their direction."""
+    """The image plane from which rays start, and the direction of the rays."""
 
     across: Array
     """(columns,) to the right of the origin (m)"""
@@ -180,7 +181,7 @@ class Eye(NamedTuple):
 
 @threaded
 def cast(block: Block, eye: Eye, met: Array) -> None:
-    """Follow a ray for each pixel; write its record into `met`, (rows, columns, MET)."""
+    """Follow a ray for each pixel; write the record of each ray into `met`, (rows, columns, MET)."""
     for row in prange(len(eye.up)):
         for column in range(len(eye.across)):
             _follow(block, eye, (eye.across[column], eye.up[row]), met[row, column])

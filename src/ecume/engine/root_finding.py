@@ -11,8 +11,9 @@ MOST_GUESSES = 200
 def root_between(
     function: Callable[[Any, float], float], given: Any, ends: tuple[float, float], tolerance: float
 ) -> float:
-    """Where `function(given, x)` changes its sign between two ends: false position, in which an end that stays counts
-    half (the Illinois method), and each third guess in the middle. Function values of the ends have different signs.
+    """The point between two ends where `function(given, x)` changes its sign, by false position. The function value at
+    an end that is kept counts half (the Illinois method), and each third guess is the midpoint. The function values at
+    the ends have different signs.
 
     >>> round(root_between(lambda square, x: x * x - square, 2.0, (0.0, 2.0), 1e-14), 12)
     1.414213562373

@@ -1,5 +1,5 @@
-"""Shapes of regions and solids: which points are inside, their distances from the boundary, and for solids nearest
-points, panels and inertia.
+"""Shapes of regions and solids: the points inside, their distances from the boundary, and for solids nearest points,
+panels and inertia.
 
 Points are (N, d). Lattices of equal cells fit into shapes: the volumes of the cells add up to that of the shape.
 """
@@ -48,7 +48,7 @@ class Part(Protocol):
         """The lowest and the highest corner of the bounding box, each (d,)."""
 
     def extent_along(self, direction: Array) -> float:
-        """The largest coordinate of its points along a unit vector."""
+        """The largest coordinate of the points of the region along a unit vector."""
 
     def inside(self, points: Array) -> Flags:
         """Flags (N,) of the points inside."""
@@ -70,7 +70,7 @@ class Part(Protocol):
         """The volume; in 2D the area."""
 
     def volume_within(self, low: Array, high: Array) -> float | None:
-        """The volume of the part of it inside a box; None without a formula."""
+        """The volume of the part of the region inside a box; None without a formula."""
 
 
 class Shape(Part, Protocol):
@@ -95,7 +95,7 @@ class Shape(Part, Protocol):
         """The moments of inertia (3,) about the axes through the center, for unit mass; in 2D only the last is used."""
 
     def thickness(self) -> float:
-        """The smallest distance of two parallel lines or planes that enclose it."""
+        """The smallest distance of two parallel lines or planes that enclose the shape."""
 
     def carried(self, way: Array) -> Shape:
         """The same shape, moved by a vector (d,)."""
@@ -160,7 +160,7 @@ class Ball(NamedTuple):
         return np.zeros((0, len(self.center)))
 
     def nearest(self, points: Array) -> tuple[Array, Array]:
-        """The distance along the radius; at the center every direction leads outside, and the first axis is taken."""
+        """The distance along the radius; at the center, where the direction is undefined, the first axis is used."""
         away = points - self.center
         length = np.linalg.norm(away, axis=1)
         first = np.eye(points.shape[1])[0]
@@ -257,7 +257,9 @@ class Box(NamedTuple):
         return np.array([self.low, self.high])
 
     def nearest(self, points: Array) -> tuple[Array, Array]:
-        """The distance and the normal of the nearest face; outside, from all faces that the point is beyond."""
+        """The distance and the normal of the nearest face; for points outside, from all faces that the point is
+        beyond.
+        """
         from_middle = points - self.middle()
         beyond = np.abs(from_middle) - 0.5 * (self.high - self.low)
         inside = np.eye(points.shape[1])[np.argmax(beyond, axis=1)]
@@ -364,8 +366,8 @@ class Polygon(NamedTuple):
         return 0.0 if rest is None else rest.volume()
 
     def within(self, low: Array, high: Array) -> Polygon | None:
-        """The part inside a box, cut off at each face; None if empty. Several pieces remain connected by lines of zero
-        width.
+        """The part of the polygon inside a box, cut at each face; None if empty. Several pieces remain connected by
+        lines of zero width.
         """
         rest = self.vertices
         for axis, sign, face in ((0, 1.0, low), (0, -1.0, high), (1, 1.0, low), (1, -1.0, high)):
@@ -444,7 +446,7 @@ class Polygon(NamedTuple):
         return float(np.ptp(self.vertices @ across.T, axis=0).min())
 
     def convex(self) -> bool:
-        """Whether it turns the same way at every corner."""
+        """Whether the polygon turns in the same direction at every corner."""
         edge = np.roll(self.vertices, -1, axis=0) - self.vertices
         ahead = np.roll(edge, -1, axis=0)
         turn = (edge[:, 0] * ahead[:, 1] - edge[:, 1] * ahead[:, 0]) * np.sign(self._turn())
@@ -480,7 +482,7 @@ class Polygon(NamedTuple):
 
     def _crossings(self, points: Array, direction: Array) -> Iterator[tuple[Integers, Array]]:
         """Yield points, by index, with the distance along a ray to an edge ahead, for some edges at a time. Points are
-        sorted across the rays, so that each edge is compared with those whose lines meet it only.
+        sorted across the rays, so that each edge is compared only with rays that can meet it.
         """
         ahead = np.array([direction[0], direction[1]])
         across = np.array([-direction[1], direction[0]])
@@ -602,7 +604,7 @@ AT_ONCE = 20_000
 
 def covered_volume(part: Part, others: Sequence[Part]) -> float:
     """The volume of a region that is inside any of the others. It is exact for boxes in a box, and for polygons and
-    whole balls and meshes in a box that touch none of the rest; otherwise by sampling.
+    whole balls and meshes in a box that touch no other shape; otherwise it is computed by sampling.
     """
     in_box = len(part.faces()) > 0
     boxes = [other for other in others if in_box and len(other.faces())]
@@ -618,7 +620,9 @@ def covered_volume(part: Part, others: Sequence[Part]) -> float:
 
 
 def _covered_by_boxes(part: Part, boxes: Sequence[Part]) -> float:
-    """The covered volume of a box: all faces divide it into cells that are completely covered or not at all."""
+    """The covered volume of a box. The faces of all boxes divide it into cells that are covered either completely or
+    not at all.
+    """
     low, high = part.bounds()
     faces = np.concatenate([np.clip(box.faces(), low, high) for box in boxes])
     axes = [np.unique([low[axis], *faces[:, axis], high[axis]]) for axis in range(len(low))]
@@ -669,7 +673,8 @@ def round_up(length: float, spacing: float) -> int:
 
 
 def fitted_axis(low: float, high: float, spacing: float) -> tuple[Array, Array]:
-    """Centers and widths of equal cells between two ends, as many as make the width nearest to the spacing.
+    """Centers and widths of equal cells between two ends; their number is such that the width is nearest to the
+    spacing.
 
     >>> fitted_axis(0.0, 1.0, 0.3)[1].tolist()
     [0.3333333333333333, 0.3333333333333333, 0.3333333333333333]
@@ -682,8 +687,8 @@ def fitted_axis(low: float, high: float, spacing: float) -> tuple[Array, Array]:
 
 
 def fitted_cells(low: Array, high: Array, spacing: float, faces: Array | None = None) -> Cells:
-    """The cells of a box. Along each axis cells end at `faces`, (k, d) coordinates, unless a piece between two of them
-    were narrower than half a spacing.
+    """The cells of a box. Along each axis cells end at `faces`, (k, d) coordinates, unless a piece between two faces
+    would be narrower than half a spacing.
     """
     axes = []
     for axis, (first, last) in enumerate(zip(low, high, strict=True)):
@@ -698,7 +703,7 @@ def fitted_cells(low: Array, high: Array, spacing: float, faces: Array | None = 
 
 
 def _apart(faces: Iterable[float], first: float, last: float, least: float) -> list[float]:
-    """The coordinates between two ends, sorted, without those nearer to an end or to the previous one than the least
+    """The coordinates between two ends, sorted, without those closer to an end or to the previous one than the smallest
     distance.
     """
     found = [first]

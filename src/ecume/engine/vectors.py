@@ -1,7 +1,7 @@
 """Vectors in 2D and 3D for compiled loops: a formula is written once for both.
 
-Every function dispatches on the type of its last argument. In compiled code components live in registers, and a 2D
-vector has no third component that would cost anything.
+Every function dispatches on the type of its last argument. In compiled code the components are in registers, and a 2D
+vector has no third component that would take time.
 """
 
 from __future__ import annotations
@@ -53,7 +53,7 @@ VECTORS: dict[int, Vector] = {2: Vector2(0.0, 0.0), 3: Vector3(0.0, 0.0, 0.0)}
 
 
 def by_dimension(plane: Callable[..., Any], space: Callable[..., Any]) -> Callable[..., Any]:
-    """A function that calls one of the two, by the type of its last argument."""
+    """A function that calls `plane` or `space`, depending on the type of its last argument."""
     chosen = {Vector2: plane, Symmetric2: plane, Vector3: space, Symmetric3: space}
     return by_type(chosen.__getitem__)
 

@@ -93,7 +93,7 @@ CHECKS: dict[str, Check] = {
 
 
 def require_numbers(bond_number: float, density_ratio: float, contact_angle: float) -> None:
-    """Raise BadInput for dimensionless numbers that describe no float."""
+    """Raise BadInput for dimensionless numbers that do not describe a float."""
     for argument, value in (
         ("bond_number", bond_number),
         ("density_ratio", density_ratio),

@@ -1,4 +1,4 @@
-"""Brownian motion of a sphere: random displacements and velocities in a time, with and without inertia.
+"""Brownian motion of a sphere: random displacements and velocities during a time, with and without inertia.
 
 A particle of mass m and friction zeta relaxes in tau = m / zeta; with the ratio r = t / tau the velocity and the
 displacement after a time t are normal numbers whose variances are exact for any r.
@@ -39,7 +39,8 @@ def diffusivity(thermal: Energy, friction: Friction) -> Diffusivity:
 
 
 def sedimentation_length(thermal: Energy, weight: Force) -> Length:
-    """The height kT / W over which a suspension thins by e: c(y) = c(0) exp(-y W / kT). [perrin1909].
+    """The height kT / W over which the concentration of a suspension decreases by a factor e: c(y) = c(0) exp(-y W /
+    kT). [perrin1909].
 
     >>> sedimentation_length(4.0, 2.0)
     2.0
@@ -48,7 +49,7 @@ def sedimentation_length(thermal: Energy, weight: Force) -> Length:
 
 
 def velocity_variance(ratio: Number) -> Number:
-    """Variance of the velocity over kT/m, 1 - e^(-2 r), r = t/tau, from a given one. [uhlenbeck1930].
+    """Variance of the velocity, after a given initial one, over kT/m: 1 - e^(-2 r), r = t/tau. [uhlenbeck1930].
 
     >>> round(velocity_variance(0.5), 6)
     0.632121
@@ -80,7 +81,7 @@ def covariance(ratio: Number) -> Number:
 
 
 def velocity_gain(ratio: Number) -> Number:
-    """Velocity gained from an initial acceleration A in a time t against linear drag, over A t: (1 - e^-r)/r.
+    """Velocity gained during a time t by an initial acceleration A against linear drag, over A t: (1 - e^-r)/r.
     [uhlenbeck1930].
 
     >>> velocity_gain(0.0), round(velocity_gain(1.0), 6)
@@ -102,14 +103,15 @@ def displacement_gain(ratio: Number) -> Number:
 
 
 def reflected_gain(change: Length, variance: Area, exponential: Number) -> Length:
-    """Smallest possible distance (m) of a reflected Brownian motion from its wall at the end of a step, which is its
-    distance if it met the wall: [d + sqrt(d^2 + 2 s^2 E)]/2. [lepingle1995; gobet2001].
+    """Final distance (m) of a Brownian motion from a wall that it has met in a step: [d + sqrt(d^2 + 2 s^2 E)]/2.
+    [lepingle1995; gobet2001].
 
-    The distance from the wall would change by `change` d, drift and noise together, with the variance s^2; E is a
-    random number from the exponential distribution of mean 1. Then d less the result is distributed as the lowest
-    distance less the initial one on a path with this end, so that the larger of the free and this distance is exactly
-    that of the reflected motion with a constant drift, for a flat wall and any length of the step. At curved walls and
-    contacts of discs the error of mean values is of first order in the step.
+    Drift and noise together would change the distance from the wall by d = `change`, with the variance s^2; E is a
+    random number from the exponential distribution of mean 1. The minimum of the distance on a path with this end,
+    relative to the initial distance, has the distribution of d minus the result. Therefore the larger one of the free
+    distance and this result is exactly the distance of the reflected motion with a constant drift, for a flat wall and
+    any length of the step. At curved walls and contacts of discs the error of mean values is of first order in the
+    step.
 
     >>> reflected_gain(-2.0, 0.0, 1.0), reflected_gain(0.0, 2.0, 1.0)
     (0.0, 1.0)
@@ -118,17 +120,17 @@ def reflected_gain(change: Length, variance: Area, exponential: Number) -> Lengt
 
 
 def reflected_gap(mirrored: Length, approach: Length, drift: Length, variance: Area, draw: Number) -> Length:
-    """The gap at the end of a step (m) of a reflected Brownian motion whose free path ends beyond the wall, at the
-    distance `mirrored` m: without drift it is m. [scala2007; behringer2012].
+    """The gap (m) at the end of a step of a reflected Brownian motion whose free path ends behind the wall, at the
+    depth `mirrored`, m; without drift the gap is m. [scala2007; behringer2012].
 
-    The gap is y at the beginning; it changes by the drift d (positive away from the wall) and by noise of the variance
-    s^2, which ends it at -m: the `approach` by noise is y + d + m. The reflected motion is above z with the probability
-    P(free > z) + exp(2 d z/s^2) Phi(-(z + y + d)/s). Its second term over its value at z = 0 is the distribution of the
-    gaps that this function returns. The mirrored ones have the same without the exponential. For an attraction the
-    gap is therefore the smaller of m and of a number from the exponential distribution of mean s^2/(2 |d|), which is
-    kT over the force. For a repulsion some gaps grow, to the next event beyond m of a process whose rate is the hazard
-    rate of the mirrored gaps less 2 d/s^2, linear in the gap. This holds for drifts up to s/2, above which collisions
-    are rare. `draw` is a random number between 0 and 1.
+    The initial gap is y. It changes by the drift d (positive away from the wall) and by noise of the variance s^2, and
+    would end at -m: the `approach` by noise is y + d + m. The reflected motion ends above z with the probability P(free
+    > z) + exp(2 d z/s^2) Phi(-(z + y + d)/s). Its second term over its value at z = 0 is the distribution of the gaps
+    that this function returns. The distribution of the mirrored gaps is the same without the exponential. For an
+    attraction the gap is therefore the smaller of m and of a number from the exponential distribution of mean s^2/(2
+    |d|), which is kT over the force. For a repulsion some gaps are larger: they are the next event beyond m of a
+    process whose rate is the hazard rate of the mirrored gaps minus 2 d/s^2, approximated as linear in the gap. This
+    holds for drifts up to s/2, above which collisions are rare. `draw` is a random number between 0 and 1.
 
     >>> reflected_gap(0.5, 1.0, 0.0, 1.0, 0.3), reflected_gap(0.5, 1.0, -10.0, 1.0, math.exp(-1.0))
     (0.5, 0.05)

@@ -1,10 +1,10 @@
 """Self-propulsion of a round float that releases surfactant at the surface of a liquid, in closed form.
 
-The surface concentration obeys dc/dt = D lap c - k c + s. A disc of radius R releases the mass S per time, spread
-over its area, and the fall of the surface tension is b c. The resultant of the surface tension on its perimeter is, by
+The surface concentration obeys dc/dt = D lap c - k c + s. A disc of radius R releases the mass S per time, spread over
+its area, and the fall of the surface tension is b c. The resultant of the surface tension on its perimeter is, by
 Gauss's theorem, F = -b int grad c dA over its area. In the frame of a disc that moves at the speed v on an infinite
-surface, the steady field has the transform s(q)/(D q^2 + k - i v q_x), and with that of the disc, 2 pi R J1(q R)/q,
-the integral over the direction of q is elementary:
+surface, the Fourier transform of the steady field is s(q)/(D q^2 + k - i v q_x). With the transform 2 pi R J1(q R)/q of
+the disc, the integral over the direction of q is elementary:
 
     F(v) = (2 b S/v) int_0^inf J1(q R)^2/q (1 - A/sqrt(A^2 + v^2 q^2)) dq,    A = D q^2 + k.
 
@@ -48,7 +48,7 @@ def propulsion(
 ) -> Force:
     """The force of the released surfactant along the steady motion of a disc on an infinite surface.
 
-    F = (2 b S/v) int J1(z)^2/z (1 - A/sqrt(A^2 + v^2 z^2/R^2)) dz, A = D z^2/R^2 + k. Positive: it drives.
+    F = (2 b S/v) int J1(z)^2/z (1 - A/sqrt(A^2 + v^2 z^2/R^2)) dz, A = D z^2/R^2 + k. Positive along the motion.
     Derived from the model of [koyano2018], see above.
 
     >>> 0.0 < propulsion(0.01, 1e-3, 1e-6, 1e-5, 0.1)
@@ -74,9 +74,9 @@ def threshold_friction(
 ) -> FrictionCoefficient:
     """The friction below which a float at rest starts to swim: f = b S int q J1(q R)^2/(D q^2 + k)^2 dq.
 
-    With m = R sqrt(k/D) and int q J1^2/(q^2 + (m/R)^2) dq = I1(m) K1(m), this is
-    f = -b S R^2/(2 m D^2) d(I1 K1)/dm. It grows without bound as m falls to zero: without loss, the surfactant that a
-    float leaves behind drives it however slow it is. Derived from the model of [koyano2018], see above.
+    With m = R sqrt(k/D) and int q J1^2/(q^2 + (m/R)^2) dq = I1(m) K1(m), this is f = -b S R^2/(2 m D^2) d(I1 K1)/dm. It
+    diverges as m tends to zero: without loss, the surfactant that a float leaves behind drives it at any speed. Derived
+    from the model of [koyano2018], see above.
 
     >>> f = threshold_friction(1e-3, 1e-6, 1e-5, 0.1)
     >>> abs(propulsion(1e-6, 1e-3, 1e-6, 1e-5, 0.1) / (f * 1e-6) - 1.0) < 1e-4
@@ -96,7 +96,7 @@ def swimming_speed(
     friction: FrictionCoefficient, radius: Length, release: Release, diffusivity: SurfaceDiffusivity,
     loss_rate: LossRate, inverse_viscosity: TimePerArea = 0.0,
 ) -> Speed:  # fmt: skip
-    """The speed at which the propulsion of a lone disc balances its drag, F(v) = zeta v; 0 below the threshold.
+    """The speed at which the propulsion of a single disc balances its drag, F(v) = zeta v; 0 below the threshold.
 
     With `inverse_viscosity`, rho/eta, the friction zeta grows with the Reynolds number 2 R v rho/eta, see
     `schiller_naumann_factor`.
@@ -147,7 +147,7 @@ def free_energy(
     concentration: SurfaceConcentrations, tension_slope: TensionSlope, reference: SurfaceConcentration,
     largest_fall: TensionFall = math.inf,
 ) -> EnergiesPerArea:  # fmt: skip
-    """The free energy per area of a surfactant whose surface pressure is b c, up to a largest one P (saturation).
+    """The free energy per area of a surfactant whose surface pressure is b c, up to a saturation value P.
 
     f = b (c ln(c'/c0) - c') with c' = min(c, P/b): below P/b, c f' - f = b c, and above P. It is convex and its slope
     is continuous. Another reference c0 adds energy in proportion to the mass.

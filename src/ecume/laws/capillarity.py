@@ -1,5 +1,4 @@
-"""Capillary forces between floats, and between a float and the walls: the scalar laws that runs
-compile.
+"""Capillary forces between floats, and between a float and walls, as scalar laws for compiled code.
 
 Each law is an energy E and a force, F = -dE/d(distance); positive repels. Far from a float the deformations of the
 surface by floats and walls add up, so every law is a strength (an energy, computed once for a pair) times a function of
@@ -18,7 +17,7 @@ from ecume.units import Energy, Force, Length, Number, SurfaceTension
 
 
 def pair_strength(surface_tension: SurfaceTension, charge_i: Length, charge_j: Length) -> Energy:
-    """2 pi gamma A_i A_j; positive (attractive) for charges of one sign.
+    """Strength 2 pi gamma A_i A_j of a pair; positive (attractive) for charges of equal sign.
 
     gamma: surface_tension; A: the charge, the amplitude of the far field -A K0(r/L) of one floater, positive when it
     is heavy. Symmetric in i and j, which is Newton's third law for unlike floaters [nicolson1949, chan1981].
@@ -32,10 +31,10 @@ def pair_strength(surface_tension: SurfaceTension, charge_i: Length, charge_j: L
 def pair_energy(distance: Length, strength: Energy, capillary_length: Length) -> Energy:
     """Energy of two floaters, zero when far apart, negative for like charges.
 
-    E = -S K0(l/L), with l the distance of the centers, S the `pair_strength`, L the capillary_length.
-    Exact far away, also for steep menisci when the charges are the nonlinear ones. Spheres in contact are attracted
-    more than that: by 0.4 % at contact angles of 30 or 150 degrees, 5 % at 60 or 120, 15 to 19 % at 90 (B <= 0.1).
-    [nicolson1949]; [canbraun2022, eq. 20], which prints a lower-case b and has no charges of unlike floaters.
+    E = -S K0(l/L), with l the distance of the centers, S the `pair_strength`, L the capillary_length. Exact far away,
+    also for steep menisci when the charges are the nonlinear ones. Spheres in contact are attracted more than that: by
+    0.4 % at contact angles of 30 or 150 degrees, 5 % at 60 or 120, 15 to 19 % at 90 (B <= 0.1). [nicolson1949];
+    [canbraun2022, eq. 20], which prints a lower-case b, and does not treat unlike floaters.
 
     >>> round(pair_energy(2.0, 1.0, 2.0), 9)
     -0.421024438
@@ -55,7 +54,7 @@ def pair_force(distance: Length, strength: Energy, capillary_length: Length) -> 
 
 
 def wall_strength(surface_tension: SurfaceTension, charge: Length, wall_amplitude: Length) -> Energy:
-    """2 pi gamma A A_w; positive (repulsive) for a heavy floater at a wetting wall.
+    """Strength 2 pi gamma A A_w of a wall; positive (repulsive) for a heavy floater at a wetting wall.
 
     A_w: `meniscus.wall_amplitude`, positive where the liquid rises at the wall. A point charge in an outer field h
     has the energy 2 pi gamma A h: heavy floaters slide down, buoyant ones climb [vella2005].
@@ -67,12 +66,12 @@ def wall_strength(surface_tension: SurfaceTension, charge: Length, wall_amplitud
 
 
 def dish_energy(center_distance: Length, strength: Energy, capillary_length: Length, dish_radius: Length) -> Energy:
-    """Energy of a floater in the meniscus of a round dish; for a heavy one at a wetting wall it falls towards the
-    middle.
+    """Energy of a floater in the meniscus of a round dish. For a heavy one at a wetting wall the energy decreases
+    towards the middle.
 
-    E = S I0(r/L) / I1(a/L), with r the distance from the dish's axis, a the dish_radius, S the `wall_strength`.
-    The height at the middle is right to 1 % for a >= 2 L, 5 % at L; within about 2 L of the wall a steep meniscus
-    is higher than its far field. Derived from [vella2005] with the amplitude of the exact plane meniscus.
+    E = S I0(r/L) / I1(a/L), with r the distance from the dish's axis, a the dish_radius, S the `wall_strength`. The
+    height at the middle is right to 1 % for a >= 2 L, 5 % at L; within about 2 L of the wall a steep meniscus is higher
+    than its far field. Derived from [vella2005], with the amplitude of the exact plane meniscus.
 
     >>> round(dish_energy(0.0, 1.0, 1.0, 2.0), 9)
     0.628679008
@@ -143,8 +142,8 @@ def one_sided_legacy_force(
     positive.
 
     F = -(S/L) K1(l/L) with S the `pair_strength` of the *other* with itself, 2 pi gamma A_j^2, and zero once the two
-    touch. For comparison only: it violates Newton's third law for unlike floats, attracts heavy ones to light ones, and
-    lets stable rafts fall apart. Erratum of [canbraun2022, eq. 21].
+    touch. For comparison only: it violates Newton's third law for unlike floats, attracts heavy floats to light ones,
+    and makes stable rafts break up. Erratum of [canbraun2022, eq. 21].
 
     >>> one_sided_legacy_force(2.0, 1.0, 2.0, 1.0) < 0.0 == one_sided_legacy_force(1.0, 1.0, 2.0, 1.0)
     True
@@ -190,7 +189,7 @@ def two_point_legacy_force(
 
 
 def no_wall_energy(center_distance: Length, strength: Energy, capillary_length: Length, dish_radius: Length) -> Energy:
-    """Zero energy: no meniscus at the wall (a contact angle of 90 degrees).
+    """Zero energy: the wall has no meniscus (a contact angle of 90 degrees).
 
     >>> no_wall_energy(0.0, 1.0, 1.0, 1.0)
     0.0
@@ -199,7 +198,7 @@ def no_wall_energy(center_distance: Length, strength: Energy, capillary_length: 
 
 
 def no_wall_force(center_distance: Length, strength: Energy, capillary_length: Length, dish_radius: Length) -> Force:
-    """Zero force: no meniscus at the wall (a contact angle of 90 degrees).
+    """Zero force: the wall has no meniscus (a contact angle of 90 degrees).
 
     >>> no_wall_force(0.0, 1.0, 1.0, 1.0)
     0.0
@@ -216,8 +215,8 @@ def neglected_fraction(cutoff: Number, contact: Number = 0.0) -> Number:
     contribute.
 
     int_c^inf r K1(r) dr / int_d^inf r K1(r) dr: the raft is a half-plane, c is the cutoff and d the distance of centers
-    at contact, both in capillary lengths. Floats cannot be nearer than d, where those of a few capillary lengths
-    have most of their attraction within a capillary length of contact.
+    at contact, both in capillary lengths. Floats cannot be nearer than d; for floats of several capillary lengths, most
+    of the attraction acts within a capillary length of contact.
 
     >>> round(neglected_fraction(0.0), 12)
     1.0

@@ -163,7 +163,7 @@ def _past_a_solid(place: Place, stream: Vector, along: Number, radial: Number, s
 
 
 def creeping_flow_past_sphere(place: Place, radius: Length, stream: Vector) -> Vector:
-    """Velocity at a place relative to the center of a sphere at rest in a slow stream; zero at its surface.
+    """Velocity at a position relative to the center of a sphere at rest in a slow stream; zero at its surface.
 
     U (1 - 3 R/(4 r) - R^3/(4 r^3)) - (3/4) (R/r - R^3/r^3) (U.n) n; n: the unit vector from the center. For Reynolds
     numbers of the sphere below 1. [stokes1851].
@@ -178,7 +178,7 @@ def creeping_flow_past_sphere(place: Place, radius: Length, stream: Vector) -> V
 
 
 def ideal_flow_past_sphere(place: Place, radius: Length, stream: Vector) -> Vector:
-    """Velocity at a place relative to the center of a sphere at rest in a fast stream without viscosity.
+    """Velocity at a position relative to the center of a sphere at rest in a fast stream without viscosity.
 
     U (1 + R^3/(2 r^3)) - (3/2) (R/r)^3 (U.n) n. [lamb1932].
 
@@ -192,7 +192,7 @@ def ideal_flow_past_sphere(place: Place, radius: Length, stream: Vector) -> Vect
 
 
 def ideal_flow_past_cylinder(place: Place, radius: Length, stream: Vector) -> Vector:
-    """Velocity at a place relative to the axis of a cylinder at rest across a fast stream without viscosity.
+    """Velocity at a position relative to the axis of a cylinder at rest across a fast stream without viscosity.
 
     U (1 + R^2/r^2) - 2 (R/r)^2 (U.n) n. The axis is along y. [lamb1932].
 
@@ -206,10 +206,10 @@ def ideal_flow_past_cylinder(place: Place, radius: Length, stream: Vector) -> Ve
 
 
 def time_factor(time: Annotated[float, Unit("s")], amplitude: Number, turning: Rate, decay: Rate) -> Number:
-    """Factor of the velocities of a flow at a time, (1 + A sin(w t)) exp(-c t). [womersley1955].
+    """Factor (1 + A sin(w t)) exp(-c t) of the velocities of a flow at a time. [womersley1955].
 
-    A: `amplitude`; w: `turning`; c: `decay`. Instantaneous: the shape of the flow does not depend on the frequency,
-    which holds for channels narrower than sqrt(nu/w).
+    A: `amplitude`; w: `turning`; c: `decay`. The response is quasi-steady: the shape of the flow does not depend on the
+    frequency, which holds for channels narrower than sqrt(nu/w).
 
     >>> time_factor(0.25, 0.5, 2.0 * math.pi, 0.0)
     1.5

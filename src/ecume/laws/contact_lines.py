@@ -1,17 +1,17 @@
 """Bodies whose contact line is not a horizontal circle: quadrupoles, ellipsoids, and charges inside an ellipse.
 
-Quadrupoles: a rim of radius a whose height goes as H cos 2 (phi - alpha) bends the surface as H (a/r)^2 cos 2 (phi -
-alpha), where r is well below the capillary length. Angles are measured from the line of centers, from i to j, and only
-their sum counts: two bodies can turn against each other like wheels that mesh. Rises attract rises, and dips attract
-dips. These laws take scalars, as runs compile them.
+Quadrupoles: a rim of radius a with the height H cos 2 (phi - alpha) deforms the surface as H (a/r)^2 cos 2 (phi -
+alpha), for r well below the capillary length. Angles are measured from the line of centers, from i to j, and only their
+sum matters: two bodies can rotate in opposite directions like gear wheels without a change of energy. Rises attract
+rises, and dips attract dips. The arguments are scalars, as in compiled code.
 
 Charges (`spread_charges`): close to a small body the surface is harmonic, and an ellipse has harmonics exp(-m (u - u0))
 cos(m v), with x + iy = c cosh(u + iv) and H at the tips of the line u = u0. A smooth density of charges on a confocal
-ellipse inside has exactly that field outside; evenly spaced in v, few of them have it to many digits. A body with a
-contact line that rises and falls is therefore represented by some points, each with the charge of a sphere, and all
-laws of spheres hold: pair forces, walls, Newton's third law, torques. Two such bodies far apart follow the law of
-quadrupoles; close together they feel the shape of each other's line [botto2012]. The interaction of contact lines
-(polarization) is ignored, as for spheres.
+ellipse inside has exactly that field outside; a few charges, evenly spaced in v, represent this field to many digits. A
+body with an undulated contact line is therefore represented by some points, each with a charge as of a sphere, and all
+laws for spheres hold: pair forces, walls, Newton's third law, torques. Two such bodies far apart follow the law of
+quadrupoles; at small distances the force depends on the shapes of both lines [botto2012]. The interaction of contact
+lines (polarization) is ignored, as for spheres.
 """
 
 from __future__ import annotations
@@ -95,10 +95,10 @@ def ellipsoid_undulation(along: Length, across: Length, contact_angle: Angle) ->
     """Amplitude H of the contact line H cos 2 phi of a free ellipsoid, phi from its first semi-axis: H = -(a - b)/6
     sin^2 cos.
 
-    Exact to first order in a - b for small ones, whatever the upright semi-axis (which bends all sides alike). For r
-    = R (1 + f), Young's law at the polar angle theta says H (1 + m) = R (cos f - sin f_theta)_m in mode m. A wetted
-    ellipsoid (below 90 degrees) has dips at its tips and rises at its flanks; at 90 degrees the line is flat. The
-    second order is ignored: with a = 3 b only the sign is reliable. First order of [vannierop2005]; compare
+    Exact to first order in a - b for small ellipsoids with any upright semi-axis (which has the same effect on all
+    sides). For r = R (1 + f), Young's law at the polar angle theta is H (1 + m) = R (cos f - sin f_theta)_m in mode m.
+    A wetted ellipsoid (below 90 degrees) has dips at its tips and rises at its flanks; at 90 degrees the line is flat.
+    The second order is ignored: with a = 3 b only the sign is reliable. First order of [vannierop2005]; compare
     [lehle2008].
 
     >>> ellipsoid_undulation(1.2, 1.0, 1.0) < 0.0 < ellipsoid_undulation(1.2, 1.0, 2.0)
@@ -233,9 +233,9 @@ def star_charges(line: Line, tips: Length) -> tuple[Array, Array]:
     """Positions and charges of the points that represent the contact line of a star with as many arms as rises: one
     charge per tip, at the distance `tips` from the center, and one at the center.
 
-    Far away the line rises as H (R/r)^m cos m phi, with R its `along`: -m H (R/tips)^m / m of a charge at each of the m
-    tips, whose sum is subtracted at the center; the weight is distributed equally. Derived from the expansion of sum A
-    ln r.
+    Far away the surface has the height H (R/r)^m cos m phi with R = `along`. Each of the m tips has the charge -m H
+    (R/tips)^m / m, whose sum is subtracted at the center; the weight is distributed equally. Derived from the expansion
+    of sum A ln r.
 
     >>> places, charges = star_charges(Line(1e-3, 1e-3, 0.0, 5, 1e-5), 0.8e-3)
     >>> len(charges), bool(abs(charges.sum()) < 1e-18)

@@ -1,10 +1,10 @@
 """Diffusion of density between SPH particles, which removes noise from the pressure.
 
-    drho_i/dt = ... + sum_j V_j flow_ij, with the excess of j over i by one of these laws.
+    drho_i/dt = ... + sum_j V_j flow_ij, where flow_ij follows from the excess of j over i by one of these laws.
 
 The excess must vanish in a liquid at rest under gravity; otherwise the level drifts. Molteni's does not vanish (the
 surface rises until the tank diverges), Fourtakas's linear one nearly does, Fourtakas's with the exact column and
-Antuono's do. Antuono's gradients are wrong beside walls of dummy particles and are not used there.
+Antuono's do. Antuono's gradients are wrong near walls of dummy particles and are not used there.
 """
 
 from __future__ import annotations
@@ -88,8 +88,8 @@ def fourtakas_linear_excess(
     """Density excess rho_j - rho_i minus the hydrostatic difference rho_0 g.(x_j - x_i) / c_0^2 of the linear law.
     [fourtakas2019].
 
-    potential: g.(x_j - x_i), positive when j lies deeper. To first order what the paper's inverse of Tait's law gives
-    at rho_0: with gamma = 7 a tank's level creeps by one or two percent in 1e5 steps.
+    potential: g.(x_j - x_i), positive when j lies deeper. To first order at rho_0 it agrees with the inverse of Tait's
+    law in the paper: with gamma = 7 the level of a tank drifts by one or two percent in 1e5 steps.
 
     >>> fourtakas_linear_excess(1000.0, 1001.0, 1.0, 1000.0, 10.0)
     -9.0
@@ -114,8 +114,7 @@ def fourtakas_excess(
 
 
 def hydrostatic_gain(head: Number, exponent: Number) -> Number:
-    """Relative density increase (1 + a u)^(1/a) - 1, a = gamma - 1, of a liquid at rest by the head
-    u = g d/c^2.
+    """Relative density increase (1 + a u)^(1/a) - 1, a = gamma - 1, of a liquid at rest by the head u = g d/c^2.
 
     The binomial series to the seventh order, without powers and branches: loops vectorize. For gamma = 1 exp(u) - 1.
     Relative error below 1e-7 for |a u| < 0.1, below 1e-14 for |a u| < 0.01. [monaghan1994].

@@ -40,9 +40,10 @@ def pair_factor(separation: Numbers, roughness: Number = 0.0) -> Numbers:
     sphere.
 
     lambda = (4/3) sinh(a) sum_n n(n+1)/[(2n-1)(2n+3)] {[4 cosh^2((n+1/2)a) + (2n+1)^2 sinh^2(a)] / [2 sinh((2n+1)a) -
-    (2n+1) sinh(2a)] - 1}, cosh(a) = l/2R: both deep in the liquid [brenner1961, its free surface]. Half immersed ones
-    mirror that flow, and for other depths its product with f was found to hold. R/(2 gap) near contact, which smooth
-    spheres would never reach; constant below the gap `roughness` (over R). `separation`: l/R, of the centers.
+    (2n+1) sinh(2a)] - 1}, cosh(a) = l/2R, for spheres deep in the liquid [brenner1961, its free surface]. Half-immersed
+    spheres have the same factor by mirror symmetry; for other depths its product with f was found to hold. It is R/(2
+    gap) near contact, which smooth spheres would never reach, and constant below the gap `roughness` (over R).
+    `separation`: l/R, of the centers.
 
     >>> round(pair_factor(3.0), 8), round(pair_factor(2.0, roughness=0.01), 3)
     (2.03865464, 53.422)
@@ -100,8 +101,8 @@ def inertial_friction(friction: Friction, reynolds: Number) -> Friction:
     """Friction of a float at finite Reynolds number: Stokes friction times
     `schiller_naumann_factor`. [schiller1933].
 
-    For single spheres deep in the liquid; fast, partly immersed ones of centimeters can have more drag. There is no
-    wave drag below (4 g gamma/rho)^(1/4), 0.23 m/s on water.
+    It holds for single spheres deep in the liquid; fast, partly immersed spheres of centimeter size can have more drag.
+    There is no wave drag below (4 g gamma/rho)^(1/4), 0.23 m/s on water.
 
     >>> inertial_friction(2.0, 0.0)
     2.0
@@ -153,8 +154,7 @@ def relaxation_time(mass: Mass, friction: Friction) -> Time:
 
 
 def cunningham_factor(mean_free_path: Length, radius: Length) -> Number:
-    """Ratio of the speed of a small sphere in a gas to that by Stokes's law, which slip at its
-    surface increases.
+    """Ratio of the speed of a small sphere in a gas to that by Stokes's law; slip at its surface increases the speed.
 
     C = 1 + Kn (1.257 + 0.4 exp(-1.1/Kn)) with the Knudsen number Kn, the mean free path over the radius; a fit to
     measurements for all Kn, within 2 %. [davies1945].
@@ -240,7 +240,7 @@ def settling_reynolds(stokes_reynolds: Number) -> Number:
 
 
 def inertial_speed(stokes_speed: Speed, radius: Length, inverse_viscosity: TimePerArea) -> Speed:
-    """The speed of a sphere with the drag of Schiller and Naumann [schiller1933], by the force that moves it at
+    """The speed of a sphere with Schiller and Naumann's drag [schiller1933] under the force that would move it at
     `stokes_speed` with Stokes drag.
 
     `inverse_viscosity` is rho/eta; zero for Stokes drag.

@@ -30,8 +30,8 @@ def patch_pressure(across: Length, along: Length, width: Length, stretching: Str
     """Gauge pressure in a square of liquid without walls at the instant at which it moves as v = G x.
 
     rho S sum over odd m, n of 16/(m n pi^2 ((m pi/L)^2 + (n pi/L)^2)) sin(m pi x/L) sin(n pi y/L), from one corner: the
-    solution of lap p = -rho S with S = tr(G^2) that is zero on the sides. It is negative everywhere inside where the
-    patch spins like a solid, S = -2 w^2. L: width. [colagrossi2005].
+    solution of lap p = -rho S with S = tr(G^2) that is zero on the sides. For rigid rotation, S = -2 w^2, it is
+    negative everywhere inside. L: width. [colagrossi2005].
 
     >>> round(patch_pressure(0.5, 0.5, 1.0, -2.0, 1.0), 6)
     -0.147343
@@ -47,9 +47,9 @@ def ball_pressure(
 ) -> Pressure:
     """Gauge pressure in a disc or ball of liquid without walls while it moves as v = G x, rho S (R^2 - r^2)/(2 d).
 
-    S = tr(G^2) + d w^2, where w^2 times its distance pulls everything to the center; 2 s^2 where a disc is stretched at
-    the rate s. The solution of lap p = -rho S that is zero on the surface. d: dimensions. [monaghan1994] with w = 0,
-    [monaghan2013].
+    S = tr(G^2) + d w^2, where the acceleration to the center is w^2 times the distance; S = 2 s^2 for a disc that is
+    stretched at the rate s. The solution of lap p = -rho S that is zero on the surface. d: dimensions. [monaghan1994]
+    with w = 0, [monaghan2013].
 
     >>> ball_pressure(0.0, 1.0, 2.0 * 100.0**2, 1.0, 2.0)
     5000.0
@@ -59,9 +59,9 @@ def ball_pressure(
 
 def drop_strain_change(strain_rate: Rate, pull_rate: Rate, width: Length, height: Length) -> Stretching:
     """Time derivative of the strain rate of an elliptic drop, (s^2 + w^2) (b^2 - a^2)/(a^2 + b^2). The drop flows as u
-    = s x, v = -s y, so that da/dt = s a and db/dt = -s b; each particle is pulled to the center by
-    w^2 times its distance (not at all if w = 0). s: rate of strain; w: rate of the pull; a: width, b: height, both
-    half. (s^2 + w^2) (a^2 + b^2) is conserved. [monaghan1994] with w = 0, [monaghan2013].
+    = s x, v = -s y, so that da/dt = s a and db/dt = -s b; the acceleration to the center is w^2 times the distance
+    (zero if w = 0). s: rate of strain; w: rate of the pull; a: width, b: height, both half. (s^2 + w^2) (a^2 + b^2) is
+    conserved. [monaghan1994] with w = 0, [monaghan2013].
 
     >>> drop_strain_change(2.0, 1.0, 1.0, 1.0)
     0.0

@@ -1,4 +1,4 @@
-"""Ewald sums: potentials and flows in a short-range part for pairs and a smooth part for a grid.
+"""Ewald sums: potentials and flows are split into a short-range part for pairs and a smooth part for a grid.
 
 Menisci: the screened potential is K0(x) = S + T [ewald1921] with S(x) = (1/2) int_0^eta exp(-t - x^2/(4 t)) dt/t, the
 leaky well function of [hantush1955], and the same integral from eta on, T, whose spectrum decays as exp(-eta k^2).
@@ -61,8 +61,8 @@ def short_energy(x: Numbers, eta: Number) -> Any:
 
 
 def short_pull(x: Numbers, eta: Number) -> Any:
-    """Short-range force over distance, -S'(x)/x = exp(-w)/x^2 sum_n (-eta)^n/n! w e^w E_n(w), where the term n = 0 is
-    1. [hantush1955].
+    """Short-range force over distance, -S'(x)/x = exp(-w)/x^2 sum_n (-eta)^n/n! w e^w E_n(w), whose term n = 0 is 1.
+    [hantush1955].
 
     >>> round(float(short_pull(0.05, 1e-2)), 5)
     375.20199
@@ -98,8 +98,8 @@ def smooth_wave_within(wavenumber_squared: Numbers, eta: Number, reach: Number) 
     """Fourier transform of the smooth part of K0 truncated at a distance `reach`, so that periodic images do not
     interact.
 
-    This is `smooth_wave` times 1 - c [K1(c) J0(k c) - k K0(c) J1(k c)]. At distances below c by a few sqrt(eta) the
-    potential does not change. The method of [vico2016] for other potentials.
+    This is `smooth_wave` times 1 - c [K1(c) J0(k c) - k K0(c) J1(k c)]. At distances shorter than c by several
+    sqrt(eta) the potential is unchanged. The method of [vico2016] for other potentials.
 
     >>> round(float(smooth_wave_within(4.0, 0.1, 50.0) / smooth_wave(4.0, 0.1)), 12)
     1.0
@@ -191,8 +191,8 @@ def spline_correction(phase: Any, order: int) -> Any:
 def random_charge_force(touching: Number) -> Number:
     """Root of the integral of K1^2 beyond the touching distance x, the scale of force errors.
 
-    For charges of random sign this is the r.m.s. force on one, over 2 pi gamma A^2/L and the root of their number in an
-    area L^2: sqrt(pi x^2 [K0(x) K2(x) - K1(x)^2]). [hockney1988].
+    For charges of random sign this is the r.m.s. force on a charge, over 2 pi gamma A^2/L and over the root of the
+    number of charges in an area L^2: sqrt(pi x^2 [K0(x) K2(x) - K1(x)^2]). [hockney1988].
 
     >>> random_charge_force(0.01) > random_charge_force(0.1) > random_charge_force(1.0)
     True
@@ -273,7 +273,7 @@ def smooth_flow(x: Number) -> tuple[float, float]:
 
 
 def smooth_curvature(x: Number) -> tuple[float, float]:
-    """Smooth part of D times w^3: far away 1/(4 x^3) and -1/(2 x^3). [hasimoto1959].
+    """Smooth part of D times w^3: 1/(4 x^3) and -1/(2 x^3) far away. [hasimoto1959].
 
     >>> across, along = smooth_curvature(8.0)
     >>> round(across * 8.0**3, 12), round(along * 8.0**3, 12)

@@ -2,7 +2,7 @@
 
 Below a gap as wide as the roughness, asperities touch. They bear tangential forces up to a limit proportional to the
 normal force, in parallel with the film. The film bears the excess over this limit and slides; below the limit it does
-not slide. Friction therefore never drives the motion.
+not slide. Friction therefore never does positive work.
 
 Collisions of two bodies are computed by impulses or by springs and dashpots. Speeds of approach are positive as a gap
 closes. The contact solver (`ecume.engine.contact`) finds the impulses of all contacts at once; for two bodies alone
@@ -25,8 +25,7 @@ that sliding is differentiable.
 
 
 def touching(gap: Length, roughness: Length) -> Number:
-    """Fraction of the load that asperities carry: 1 below half of the roughness, 0 above it, smooth
-    between.
+    """Fraction of the load that asperities carry: 1 below half of the roughness, 0 above it, with a smooth transition.
 
     >>> touching(0.4, 1.0), touching(0.75, 1.0), touching(1.0, 1.0)
     (1.0, 0.5, 0.0)
@@ -145,7 +144,7 @@ def critical_rubbing(
     gap: Length, compression: Force, pull: Force, coefficient: Number, roughness: Length, critical_load: Force
 ) -> Rubbing:
     """Law with friction above a critical load N_c: asperities hold up to mu (N - N_c) w(h). Below N_c a layer on the
-    surfaces keeps them apart, without friction.
+    surfaces keeps them apart, and there is no friction.
 
     The critical load model of suspensions that thicken under shear; w is `touching`. [mari2014].
 
@@ -212,8 +211,8 @@ def impulse(approach_speed: Speed, mass_i: Mass, mass_j: Mass, restitution: Numb
     J = (1 + e) v m_i m_j / (m_i + m_j), with opposite signs on the two bodies, so that momentum is conserved.
     A wall is the limit of an infinite mass. [moreau1988]; [canbraun2022, eq. 32 to 34] is the elastic case, e = 1.
 
-    Erratum: [canbraun2022, eq. 35 and 36], for a wall, reverse the speed whatever its sign, and reduce the tangential
-    part as well.
+    Erratum: [canbraun2022, eq. 35 and 36], for a wall, reverse the velocity also if the body moves away, and reduce the
+    tangential part as well.
 
     >>> impulse(2.0, 1.0, 1.0, 1.0)
     2.0
@@ -283,7 +282,7 @@ def dashpot_restitution(damping: Number) -> Number:
 
 
 def restitution_itself(restitution: Number) -> Number:
-    """Restitution e as given: 0 sticks, 1 bounces without loss.
+    """Return the restitution e as given: 0 is a plastic collision, 1 an elastic one.
 
     >>> restitution_itself(0.2)
     0.2
@@ -302,12 +301,11 @@ def effective_radius(radius_i: Length, radius_j: Length) -> Length:
 
 
 def rolling_limit(compression: Force, coefficient: Number, radius_i: Length, radius_j: Length) -> Torque:
-    """Largest couple between two spheres that roll on one another, mu_r N R*; it opposes their relative
-    spin.
+    """Largest couple mu_r N R* between two spheres that roll on each other; it opposes their relative spin.
 
-    N is the normal force, positive where it presses, and R* the `effective_radius`. The couple is that of the constant
-    directional torque, of this magnitude while the spheres roll; where they do not, it is the one at which they rest,
-    as in Coulomb's law. [ai2011, model A].
+    N is the normal force, positive where it presses, and R* the `effective_radius`. The model is that of constant
+    directional torque: the couple has this magnitude while the spheres roll. Otherwise it is the couple that keeps them
+    at rest, as in Coulomb's law. [ai2011, model A].
 
     >>> rolling_limit(2.0, 0.1, 1.0, 1.0), rolling_limit(-2.0, 0.1, 1.0, 1.0)
     (0.1, 0.0)
@@ -316,12 +314,12 @@ def rolling_limit(compression: Force, coefficient: Number, radius_i: Length, rad
 
 
 def holding_rolling_friction(bend: Angle, contact_force: Force, end_force: Force) -> Number:
-    """Smallest coefficient of rolling friction at which a chain of three equal spheres stays bent: the sphere in the
-    middle sees the other two at the angle psi.
+    """Smallest coefficient of rolling friction at which a chain of three equal spheres stays bent; psi is the angle
+    between the directions from the middle sphere to the other two.
 
-    mu_r = 2 F_e cos(psi/2)/(F_c + F_e sin(psi/2)), F_c the attraction of two spheres in contact and F_e that of the
-    ends. The pull F_e on an end has the part T = F_e cos(psi/2) along the surface of the middle sphere and presses
-    with N = F_c + F_e sin(psi/2). The end is at rest if friction bears T, with mu >= mu_r/2, and a couple balances its
+    mu_r = 2 F_e cos(psi/2)/(F_c + F_e sin(psi/2)), F_c is the attraction of two spheres in contact and F_e that of the
+    two end spheres. F_e has the component T = F_e cos(psi/2) along the surface of the middle sphere; the normal force
+    is N = F_c + F_e sin(psi/2). The end is at rest if friction bears T, with mu >= mu_r/2, and a couple balances its
     torque T R about the center of the end; the largest couple is mu_r N R/2, `rolling_limit`. [ai2011, model A]; the
     chains are those of [dalbe2011].
 

@@ -1,8 +1,8 @@
 """Liquids at rest under gravity: hydrostatic and absolute pressure, and the exact compressible column.
 
 `column_pressure` and `column_height` solve dp/dy = -rho g with Tait's law and p = 0 at the top: the exact state of a
-tank at rest. With c_0 = 10 sqrt(g H) the column is 0.487 % shorter than H, so that no comparison with rho_0 g (H - y)
-can be closer than that.
+tank at rest. With c_0 = 10 sqrt(g H) the column is 0.487 % shorter than H, which limits the agreement with rho_0 g (H -
+y).
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ def hydrostatic_pressure(
 ) -> Pressures[Value]:
     """Hydrostatic pressure rho_0 g (H - y) at the height y below a surface at H; negative above H.
 
-    Its gradient cancels the weight of a liquid of density rho_0 exactly, which that of rho_i g (H - y) does not.
+    Its gradient exactly balances the weight of a liquid of density rho_0; the gradient of rho_i g (H - y) does not.
     [batchelor1967].
 
     >>> round(hydrostatic_pressure(0.25, 1.0, 1000.0, 9.81), 6)
@@ -51,19 +51,19 @@ def absolute_pressure(
     gravity: Acceleration = 9.81,
     atmospheric_pressure: Pressure = 0.0,
 ) -> Pressures[Value]:
-    """Pressure b ((rho/rho_0)^gamma - 1) + rho g (H - y) + p_atm of a particle, as texts on reservoirs write it.
+    """Pressure b ((rho/rho_0)^gamma - 1) + rho g (H - y) + p_atm of a particle, a form used for reservoirs.
 
     rho, y: the particle's own density and height; H: surface_height; b from stiffness, or from sound_speed. Without
     p_atm it is a gauge pressure. The sum is meaningful only for certain forces on the particles [batchelor1967]:
 
     1. Gravity acts, forces come from Tait's part alone (the usual scheme): at rest Tait's part is rho_0 g (H - y)
-       already, and this sum counts it TWICE: 2 rho_0 g H at the bottom. Take `tait_pressure`.
-    2. No gravity acts, forces come from Tait's part alone: the sum is the pressure, in tanks that are closed or full,
-       where no surface moves. On a free surface it lets no wave fall and no dam break.
-    3. Gravity acts, forces come from the whole sum: right while the surface stays at H, wrong where it leaves it.
+    already, and this sum counts it TWICE: 2 rho_0 g H at the bottom. Use `tait_pressure`. 2. No gravity acts, forces
+    come from Tait's part alone: the sum is the pressure, in tanks that are closed or full, where no surface moves. With
+    a free surface, waves would not fall and dams would not break. 3. Gravity acts, forces come from the whole sum:
+    right while the surface stays at H, wrong where it leaves it.
 
     In 2 and 3 the second term should have rho_0, see `hydrostatic_pressure`; with rho, as here, the forces at rest are
-    off by drho/rho_0. `hydrostatic_fault` says which case a run is.
+    off by drho/rho_0. `hydrostatic_fault` determines the case of a run.
 
     >>> round(absolute_pressure(1000.0, 0.0, 1.0, sound_speed=40.0, atmospheric_pressure=101325.0), 6)
     111135.0
@@ -125,7 +125,7 @@ def hydrostatic_density(
     depth: Length, gravity: Acceleration, reference_density: Density, sound_speed: Speed,
     exponent: Number = WATER_EXPONENT,
 ) -> Density:  # fmt: skip
-    """Density rho = rho_0 (1 + (gamma-1) g d/c_0^2)^(1/(gamma-1)) at the depth d below the column's own top.
+    """Density rho = rho_0 (1 + (gamma-1) g d/c_0^2)^(1/(gamma-1)) at the depth d below the top of the column.
 
     From dp/dy = -rho g with dp = c^2 drho and Tait's c^2 = c_0^2 (rho/rho_0)^(gamma-1); an exponential for gamma = 1.
     [monaghan1994].
@@ -159,8 +159,8 @@ def column_height(
 ) -> Length:  # fmt: skip
     """Height of a column with this mass per square meter, a little less than load / rho_0.
 
-    The pressure at the bottom is exactly load times g; density there follows from Tait, height from its profile.
-    [monaghan1994].
+    The pressure at the bottom is exactly load times g. The density there follows from Tait's law, and the height from
+    the profile of the density. [monaghan1994].
 
     >>> f"{1.0 - column_height(1.0, 1.0, 1.0, 10.0):.5%}"
     '0.48715%'

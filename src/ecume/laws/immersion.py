@@ -112,15 +112,13 @@ TURNING = Factors(
 
 
 def immersion_factor(contact_angle: Angles, share_above: Number = 0.0) -> Numbers:
-    """Factor f(theta): the drag of a floating sphere over the Stokes drag 6 pi eta R U deep in the
-    liquid.
+    """Factor f(theta): the drag of a floating sphere over the Stokes drag 6 pi eta R U deep in the liquid.
 
-    Between two liquids eta is the sum of their viscosities, and `share_above` that of the upper one. Interpolated by a
-    cubic spline over the angle, and by four rows of the table over the share. The surface is flat and has no stress
-    other than that of the liquids, the sphere does not rotate. 1/2 at 90 degrees for all liquids, by symmetry; under a
-    gas 0.7245
-    for two touching spheres, at 0. Measured: 0.68 at 48.7 degrees, 0.54 at 82 [petkov1995]; series around 90 degrees
-    [dorr2016]. Surfactants raise it.
+    Between two liquids eta is the sum of their viscosities, and `share_above` the fraction of the upper one. The factor
+    is interpolated by a cubic spline over the angle, and by four rows of the table over the share. The surface is flat
+    and has no stress other than that of the liquids; the sphere does not rotate. It is 1/2 at 90 degrees for all
+    liquids, by symmetry. Under a gas at 0 degrees it is 0.7245, the value for two touching spheres. Measured: 0.68 at
+    48.7 degrees, 0.54 at 82 [petkov1995]; series around 90 degrees [dorr2016]. Surfactants raise it.
 
     >>> round(immersion_factor(math.pi / 2), 12), round(immersion_factor(math.pi / 3, 0.5), 4)
     (0.5, 0.5067)
@@ -144,9 +142,10 @@ def turning_factor(contact_angle: Angles, share_above: Number = 0.0) -> Numbers:
     liquid.
 
     Between two liquids eta is the sum of their viscosities. Streamlines are circles, and v_phi cos(phi) is harmonic
-    outside the wet cap and its mirror image in a flat surface that is free of shear. 1/2 at 90 degrees by symmetry, and
-    for equal viscosities at all angles, since the surface then has no effect on the flow; under a gas 3 zeta(3)/4 at 0,
-    that of two touching spheres that rotate together [jeffery1915]; 2 sin^3(theta)/(3 pi) of a thin cap.
+    outside the wet cap and its mirror image in a flat surface that is free of shear. The factor is 1/2 at 90 degrees by
+    symmetry, and at all angles for equal viscosities, since the surface then has no effect on the flow. Under a gas it
+    is 3 zeta(3)/4 at 0 degrees, as for two touching spheres that rotate together [jeffery1915], and 2 sin^3(theta)/(3
+    pi) for a thin cap.
 
     >>> round(turning_factor(math.pi / 2), 12), turning_factor(1.0, 0.5)
     (0.5, 0.5)

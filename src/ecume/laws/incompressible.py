@@ -46,7 +46,7 @@ def correction(excess: Pure[Value]) -> Pure[Value]:
 
 
 def free_correction(excess: Pure[Value]) -> Pure[Value]:
-    """Part of an excess of density that a step corrects in liquid with a free surface, max(s, 0)/10 + min(s, 0): where
+    """Part of an excess of density that a step corrects in liquid with a free surface, max(s, 0)/10 + min(s, 0). Where
     particles are missing, s < 0, the flow may compress until the density is that at rest.
 
     Ihmsen et al. 2014, eq. (8), where s is negative; Asai et al. 2012 where it is positive. [ihmsen2014, asai2012].
@@ -122,8 +122,8 @@ def shifting_coefficient(smoothing_length: Length, speed: Speed) -> Diffusivity:
 def tensile_weight(ratio: Pure[Value]) -> Pure[Value]:
     """Weight of a neighbor in the gradient of the concentration, 1 + 0.2 (W/W_0)^4.
 
-    ratio: the kernel at the neighbor over that at one spacing. Close neighbors count more, so that particles do not
-    pair. Sun et al. 2017, eq. (6), after Monaghan 2000. [sun2017].
+    ratio: the kernel at the neighbor over that at one spacing. Close neighbors have larger weights, so that particles
+    do not form pairs. Sun et al. 2017, eq. (6), after Monaghan 2000. [sun2017].
 
     >>> tensile_weight(0.0), tensile_weight(1.0)
     (1.0, 1.2)

@@ -1,4 +1,4 @@
-"""Laws for the mobility of the two surfaces of a film, which determines its frictions.
+"""Laws for the mobility of the two surfaces of a film, which determines the friction of the film.
 
 Each law gives the friction of the film against squeezing and shear, and the exponents of contact size and gap in them,
 which an implicit step requires. Prefactors c_n and c_t are those of rigid surfaces (`ecume.laws.soft_pair`).
@@ -29,9 +29,9 @@ PerForce = Annotated[float, Unit("1/N")]
 def extension_friction(contact_size: Length, gap: Length, viscosity: Viscosity) -> Friction:
     """Friction 3 pi eta a^2/h of squeezing a film between surfaces that slip freely: force over speed of approach.
 
-    A disc of liquid in uniform extension; its normal stress is three times viscosity times rate, Trouton's. For round
-    bubbles, a^2 = 2R* h, it is independent of the gap; the exact friction has a logarithm that the model omits.
-    [trouton1906].
+    The film is a disc of liquid in uniform extension, whose normal stress is three times viscosity times rate
+    (Trouton). For round bubbles, a^2 = 2R* h, it is independent of the gap; the exact friction has a logarithm that the
+    model omits. [trouton1906].
 
     >>> round(extension_friction(0.1, 0.01, 1.0) / math.pi, 12)
     3.0
@@ -205,8 +205,8 @@ def elastohydrodynamic_film(
     body: Body,
     gap_weight: Number,
 ) -> Resistance:
-    """Film that sliding draws into compressed contacts: the tangential force is `entrained_force` plus a small
-    Newtonian friction, T = sqrt(B u) + z u. The law has no squeeze friction; `extension_friction` lets gaps relax.
+    """Film that sliding entrains into compressed contacts: the tangential force is `entrained_force` plus a small
+    Newtonian friction, T = sqrt(B u) + z u. The law has no squeeze friction; gaps relax by `extension_friction`.
 
     The speed follows from the force T: u = T/zeta with zeta = (sqrt(B) + sqrt(B + 4 z T))^2 / (4 T). B contains the
     part of the contact that is flattened by deflection, 1 - 2 R* c_h h / a^2, so that friction begins with compression.

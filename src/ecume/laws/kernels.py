@@ -5,15 +5,15 @@ and their table.
 `ecume.models.sph.rates.sums`, by the number in `KERNEL_CODES`. A kernel is defined in this file alone, by two functions
 and a row of the table `KERNELS`, which holds everything that depends on the kernel.
 
-The same code is valid for numbers, for arrays and in compiled loops, for every q >= 0: in place of branches there are
-truncated powers, `positive(a - q)` to some power, which are zero beyond a. Slopes are f'(q)/q since a gradient needs
-this, grad W = (1/r)(dW/dr) x; in this form they are finite at q = 0, where most f' are a difference of large terms, and
+The same code is valid for numbers, for arrays and in compiled loops, for every q >= 0: instead of branches it has
+truncated powers, `positive(a - q)` to some power, which are zero beyond a. Slopes are in the form f'(q)/q, which
+appears in gradients, grad W = (1/r)(dW/dr) x. This form is finite at q = 0 without a difference of large terms, and
 exactly zero beyond the support.
 
 In one dimension Wendland's kernels have separate shapes (`..._line_...`): there positive definite functions of the same
 smoothness have a lower degree [wendland1995, dehnen2012].
 
-Gradients by sums over neighbors are completed where neighbors are missing, at a free surface. The matrix M_i = -sum_j
+At a free surface, where neighbors are missing, gradients by sums over neighbors are completed. The matrix M_i = -sum_j
 V_j F x_ij x_ij, with F = (1/r) dW/dr, is the unit matrix where neighbors surround a particle on all sides, and its
 inverse B_i completes a sum in which some of them are missing: B_i sum_j V_j F x_ij (A_i - A_j) is the gradient of a
 linear field A, also at a surface.
@@ -54,7 +54,7 @@ def cubic_spline_value(q: Pure[Value]) -> Pure[Value]:
     """Shape ((2-q)+^3 - 4 (1-q)+^3) / 6 of the cubic B-spline M4, support 2: 2/3 - q^2 + q^3/2
     below 1. [monaghan1985].
 
-    One branch alone is not a kernel: the inner one has 11/14 of the integral in 2D; extended to q = 2 its integral is
+    A single branch is not a kernel: in 2D the inner branch has 11/14 of the integral; extended to q = 2 its integral is
     16/7, and it increases again to W(0).
 
     >>> cubic_spline_value(0.0) * 6.0
@@ -268,7 +268,7 @@ def gaussian_slope(q: Pure[Value]) -> Pure[Value]:
 
 
 def gaussian_deficit(dim: int) -> Number:
-    """Integral that the truncation of a Gaussian at 3h omits: 2.2e-5, 1.2e-4, 4.4e-4 in 1D, 2D, 3D.
+    """Integral that is missing in a Gaussian truncated at 3h: 2.2e-5, 1.2e-4, 4.4e-4 in 1D, 2D, 3D.
 
     >>> f"{gaussian_deficit(2):.5e}"
     '1.23410e-04'
@@ -486,8 +486,8 @@ class Kernel:
 
     @property
     def standard_deviation(self) -> float:
-        """Standard deviation sqrt(<x^2>) along one axis, in smoothing lengths: kernels with equal
-        ones smooth equally.
+        """Standard deviation sqrt(<x^2>) along one axis, in smoothing lengths: kernels with equal values smooth
+        equally.
         """
         return math.sqrt(self.moment(2) / self.dim)
 
@@ -586,8 +586,7 @@ def missing_neighbors(trace: Number, dimensions: Number) -> Number:
 
 
 def correction_share(missing: Number, factor: Number) -> Number:
-    """Share s of the correction, 1 + s (B - 1): zero in the interior, one in both rows at a
-    surface, zero in spray.
+    """Share s of the correction, 1 + s (B - 1): zero in the interior, one in both rows at a surface, zero in spray.
 
     missing: see `missing_neighbors`; factor: see `completion_factor`. Smooth steps between `DISORDER` and `ROW`, and
     between `SPRAY` and `WHOLE`. With s = 1 everywhere, as in [bonet1999], the sums would be insensitive to particles

@@ -46,7 +46,7 @@ def steric_energy(gap: Length, strength: Force, steric_length: Length) -> Energy
     """Energy U = K (s^2/h - h - 2 s ln(s/h)) below the steric length s, zero beyond: the integral
     of `steric_force`.
 
-    K is the strength, h the gap. A stand-in for the sharp repulsion of [rognon2010], which names no formula.
+    K is the strength, h the gap. It replaces the sharp repulsion of [rognon2010], for which the paper has no formula.
 
     >>> steric_energy(2.0, 1.0, 1.0)
     0.0
@@ -60,7 +60,7 @@ def steric_force(gap: Length, strength: Force, steric_length: Length) -> Force:
     """Force F = K (s/h - 1)^2 below the steric length s, zero beyond; smooth at s, unbounded at
     contact; repels.
 
-    K is the strength, h the gap. A stand-in for the sharp repulsion of [rognon2010], which names no formula.
+    K is the strength, h the gap. It replaces the sharp repulsion of [rognon2010], for which the paper has no formula.
 
     >>> steric_force(0.5, 3.0, 1.0)
     3.0
@@ -137,7 +137,7 @@ def dlvo_slope(
 
 
 def _steric_doubts(constants: Any, smallest_radius: Length) -> list[str]:
-    """Warnings on steric layers that are not thin."""
+    """Warnings on steric layers that are not thin compared with the spheres."""
     said = "the steric length is a tenth of a radius or more: spheres bear each other at a distance"
     return [said] if constants.steric_length > 0.1 * smallest_radius else []
 

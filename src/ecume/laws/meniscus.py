@@ -1,8 +1,8 @@
 """Menisci at plane, round and rectangular walls, and the image forces on floats near them.
 
-Image forces: a wall at which the liquid keeps its contact angle mirrors the meniscus of a float with equal sign and
-attracts it; a wall that pins the contact line mirrors it with opposite sign and repels it, whatever the sign of the
-charge. Exact in linear theory.
+Image forces: at a wall with a constant contact angle the image of a float has the same sign, and the wall attracts the
+float; at a wall that pins the contact line the image has the opposite sign, and the wall repels the float. Both hold
+for charges of either sign. Exact in linear theory.
 
 Surfaces at walls: a plane wall, a round dish, a rectangular dish. Heights are measured from the undisturbed surface.
 The contact angle is that of the wall, through the liquid: below 90 degrees the liquid rises at the wall. An overfull
@@ -113,8 +113,8 @@ def rectangle_image_force(
 
 
 def _line(x: float, width: float, sign: float) -> list[tuple[float, float]]:
-    """The distances and signs of the images of a coordinate, in pairs from the nearest on, after
-    the coordinate itself.
+    """The distances and signs of the images of a coordinate, in pairs from the nearest on, after the coordinate
+    itself.
     """
     images = [(0.0, 1.0)]
     for k in range(1, math.ceil(FAR / width) + 2):
@@ -125,7 +125,7 @@ def _line(x: float, width: float, sign: float) -> list[tuple[float, float]]:
 
 
 class Sums(NamedTuple):
-    """Sums over the orders m of a dish's images, at each r: of c_m I_m(r)^2 and of c_m I_m(r) I_m'(r)."""
+    """The two sums over the orders m of the images of a dish, at each r: of c_m I_m(r)^2 and of c_m I_m(r) I_m'(r)."""
 
     height: Array
     slope: Array
@@ -258,8 +258,8 @@ def facing_amplitude(width: Length, contact_angle: Angle, liquid: Liquid, theory
     """Amplitude A_w / (1 - exp(-W/L)) of each of two plane walls that face each other at a distance
     W.
 
-    Each wall's meniscus is mirrored by the other; with this amplitude the sum of the two exponentials keeps the
-    slope at both. Exact in linear theory. [chan1981].
+    Each wall mirrors the meniscus of the other; with this amplitude the sum of the two exponentials has the correct
+    slope at both walls. Exact in linear theory. [chan1981].
 
     >>> water = Liquid(density=1000.0, surface_tension=0.072, viscosity=1e-3)
     >>> facing_amplitude(0.01, 0.8, water) > wall_amplitude(0.8, water)
@@ -382,7 +382,7 @@ def _linear_shape(r: Array, dish_radius: float) -> Array:
 
 
 def _nonlinear_field(r: Array, dish_radius: float, contact_angle: float) -> Array:
-    """The exact surface. Only rising menisci are computed; the others are mirror images."""
+    """The exact surface. Only rising menisci are computed; depressed ones are mirror images."""
     if abs(plane_wall_height(contact_angle)) < 1e-9:
         return _amplitude_field(r, dish_radius, contact_angle)
     core, height, shot = _dish_profile(dish_radius, min(contact_angle, math.pi - contact_angle))
@@ -413,7 +413,7 @@ def _dish_profile(dish_radius: float, contact_angle: float) -> tuple[float, floa
     def miss(logarithm: float) -> float:
         return float(_shot(core, math.exp(logarithm), contact_angle).y[0, -1]) - dish_radius
 
-    # The higher the middle, the sooner the surface has the slope at the wall.
+    # The higher the surface in the middle, the sooner its slope is that at the wall.
     guess = math.log(float(_amplitude_field(np.array(core), dish_radius, contact_angle)))
     low, high = guess - 0.5, guess + 0.5
     while miss(low) < 0.0:

@@ -48,9 +48,9 @@ def sway_acceleration(amplitude: Length, turning: Rate, time: Time) -> Accelerat
 def left_behind(mass: Mass, friction: Friction, acceleration: Acceleration, velocity: Speed, slip: Number) -> Force:
     """Inertial and drag force on a float in the frame of a moving dish, F = -s (m a + zeta V).
 
-    The liquid has the part 1 - s of the dish's velocity V and acceleration a. At s = 0 it moves with the dish, and
-    there is no force: the effective gravity is uniform, but tilted. At s = 1 the liquid is at rest, and the full
-    inertial force and drag act.
+    The velocity and the acceleration of the liquid are 1 - s times those of the dish, V and a. At s = 0 the liquid
+    moves with the dish, and there is no force: the effective gravity is uniform, but tilted. At s = 1 the liquid is at
+    rest, and the full inertial force and drag act.
 
     >>> left_behind(2.0, 0.5, 3.0, 4.0, 0.0) == 0.0, left_behind(2.0, 0.5, 3.0, 4.0, 1.0)
     (True, -8.0)

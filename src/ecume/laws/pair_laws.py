@@ -2,9 +2,9 @@
 (`interaction.law`).
 
 A row of the table holds everything that depends on the choice. Its functions take and return plain numbers, so that
-they can be compiled into a simulation. `own` describes the two floats, and `law` holds the constants of the law, a
-NamedTuple of plain numbers. Compiled code selects the law by its type: each formula has a separate type. Forces are
-positive when they repel.
+they can be compiled into a simulation. `own` contains the properties of the two floats, and `law` the constants of the
+law, a NamedTuple of plain numbers. Compiled code selects the law by its type: each formula has a separate type. Forces
+are positive when they repel.
 
 Magnets that stand upright in a liquid surface repel each other over millimeters, beyond the range of menisci. An
 electric dipole p in the gas acts as a moment c p, with c the speed of light.
@@ -104,7 +104,9 @@ InverseArea = Annotated[float, Unit("1/m^2")]
 
 
 class PairParameters(NamedTuple):
-    """The properties of the two floats of a pair that a pair law gets, in addition to the distance of their centers."""
+    """The properties of the two floats of a pair that a pair law receives, in addition to the distance of their
+    centers.
+    """
 
     radius_i: Length
     radius_j: Length
@@ -280,7 +282,7 @@ def one_sided_stiffness(distance: Length, own: PairParameters, law: OneSided) ->
 
 
 class Dipoles(NamedTuple):
-    """Constants of the force between upright dipoles, whose moments take the place of the charges."""
+    """Constants of the force between upright dipoles, whose moments replace the charges."""
 
     strength: DipoleStrength
     """of two unit moments"""
@@ -385,7 +387,7 @@ CAPABILITIES = {
 
 
 def row_of(constants: type) -> PairLaw:
-    """The row whose constants have this type. Raises LookupError."""
+    """The row whose constants have this type. Raises LookupError for other types."""
     row = _BY_CONSTANTS.get(constants)
     if row is None:
         raise LookupError(f"no pair law has constants of the type {constants.__name__}")
@@ -400,7 +402,7 @@ def settable(row: PairLaw) -> dict[str, str]:
 
 
 def described(row: PairLaw, given: Sequence[float]) -> str:
-    """The numbers that a scene may set, with units: those that it gives, and the defaults of the others."""
+    """The numbers that a scene may set, with units: the given values, and the defaults of the others."""
     usual = [each.default for each in list(inspect.signature(row.make_constants).parameters.values())[1:]]
     values = [*given, *usual[len(given) :]]
     known = settable(row).items()
@@ -408,7 +410,7 @@ def described(row: PairLaw, given: Sequence[float]) -> str:
 
 
 def add_row(row: PairLaw) -> None:
-    """Register a further law for the lifetime of this process, so that compiled code finds it."""
+    """Register a row for the lifetime of this process, so that compiled code finds it."""
     _BY_CONSTANTS[row.constants] = row
 
 

@@ -1,4 +1,4 @@
-"""How easily a liquid passes between packed spheres: the permeability, Darcy's law, and consolidation.
+"""The permeability of packed spheres, Darcy's law, and consolidation.
 
 A scene chooses a row of the table at the end (`permeation.law`). Layers in which a liquid permeates consolidate: see
 `degree_of_consolidation`.
@@ -57,7 +57,7 @@ def seepage_gradient(speed: Speed, viscosity: Viscosity, permeability: Area) -> 
 
 def consolidation_coefficient(permeability: Area, modulus: Pressure, viscosity: Viscosity) -> Diffusivity:
     """The diffusivity c = k M / eta of the pore pressure, with the oedometric modulus M: stress over strain of a layer
-    that cannot widen. [terzaghi1943].
+    without lateral strain. [terzaghi1943].
 
     >>> round(consolidation_coefficient(1e-9, 1e6, 1e-3), 12)
     1.0
@@ -66,7 +66,7 @@ def consolidation_coefficient(permeability: Area, modulus: Pressure, viscosity: 
 
 
 def excess_pressure(depth: Length, height: Length, time: Time, coefficient: Diffusivity) -> Number:
-    """Pore pressure, over the load, at a depth below the drained side of a layer that is undrained at the other.
+    """Pore pressure, over the load, at a depth below the drained side of a layer whose other side is undrained.
 
     u = sum of 2/m sin(m z/H) exp(-m^2 c t/H^2) over m = (n + 1/2) pi, where the liquid alone bears the load at t = 0.
     [terzaghi1943].
@@ -82,8 +82,8 @@ def excess_pressure(depth: Length, height: Length, time: Time, coefficient: Diff
 
 
 def degree_of_consolidation(height: Length, time: Time, coefficient: Diffusivity) -> Number:
-    """Settlement of a layer, drained on one side, over its last: U = 1 - sum of 2/m^2 exp(-m^2 c t/H^2).
-    [terzaghi1943].
+    """Settlement of a layer that is drained on one side, over its final settlement: U = 1 - sum of 2/m^2 exp(-m^2 c
+    t/H^2). [terzaghi1943].
 
     >>> round(degree_of_consolidation(1.0, 0.197, 1.0), 3), degree_of_consolidation(1.0, 100.0, 1.0)
     (0.5, 1.0)

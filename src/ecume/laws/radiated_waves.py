@@ -1,4 +1,4 @@
-"""Capillary-gravity waves of vertically oscillating floats, and their mean mutual forces.
+"""Capillary-gravity waves of floats that oscillate vertically, and their mean mutual forces.
 
 A point that presses on a deep, weakly viscous liquid with Re(F e^(i omega t)) radiates a ring wave. The surface obeys
 (d/dt + 2 nu k^2)^2 eta = -(g k + sigma k^3/rho) eta - k P/rho, weakly damped potential flow [dias2008]. With
@@ -129,8 +129,8 @@ def mean_force(slope: complex, source: complex, other: complex) -> float:
     `source`, along the direction from that source: -(1/2) Re(conj(other) source slope), from the slope of
     `slope_per_force` (1/N).
 
-    For forces in phase it is the same on both points. With a phase difference it is not: waves carry momentum away.
-    [oza2023].
+    For forces in phase, both points receive the same force. With a phase difference they do not, since waves carry
+    momentum away. [oza2023].
     """
     return -0.5 * float((other.conjugate() * source * slope).real)
 

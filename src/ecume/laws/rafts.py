@@ -6,7 +6,7 @@ weight of the displaced liquid, the energy per area of a wave of wavenumber q is
 
     B q^4 + (gamma - Pi) q^2 + rho g,
 
-in which gamma - Pi is the tension that is left. Its least value is zero at the onset of buckling.
+in which gamma - Pi is the remaining tension. At the onset of buckling, the minimum over q is zero.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ POISSON = 1.0 / math.sqrt(3.0)
 def young_modulus(tension: SurfaceTension, diameter: Length) -> YoungModulus:
     """Young's modulus of a raft, E = (1 - nu)/(1 - phi) gamma/d. [vella2004].
 
-    The particles do not deform: a raft that is stretched gains liquid surface between them.
+    The particles do not deform: stretching a raft increases the area of liquid surface between them.
 
     >>> round(young_modulus(0.072, 1e-3) / (0.072 / 1e-3), 2)
     4.54
@@ -61,8 +61,8 @@ def buckling_wavelength(liquid: Liquid, diameter: Length) -> Length:
 
 
 def buckling_pressure(liquid: Liquid, diameter: Length) -> SurfaceTension:
-    """The surface pressure at the onset of buckling, gamma + 2 sqrt(B rho g): where the least energy of a wave is zero.
-    Derived here with the bending modulus of [vella2004].
+    """The surface pressure at the onset of buckling, gamma + 2 sqrt(B rho g), at which the minimum of the energy over
+    the wavenumber is zero. Derived here with the bending modulus of [vella2004].
 
     >>> water = Liquid(density=1000.0, surface_tension=0.072, viscosity=1e-3)
     >>> 1.0 < buckling_pressure(water, 1e-5) / 0.072 < 1.01
@@ -73,10 +73,11 @@ def buckling_pressure(liquid: Liquid, diameter: Length) -> SurfaceTension:
 
 
 def pressure_left(distance: Length, width: Length, friction: Number, ratio: Number) -> Number:
-    """The part of a barrier's pressure that is left at a distance from it between two rough walls, exp(-2 mu k x/W).
+    """The part exp(-2 mu k x/W) of the pressure of a barrier that remains at a distance from it between two rough
+    walls.
 
     Each wall carries the friction mu k Pi per length where all contacts slide: k is the pressure on the walls over that
-    along the trough. Janssen's law of silos without weight; of rafts [cicuta2009].
+    along the trough. This is Janssen's law of silos without weight, applied to rafts [cicuta2009].
 
     >>> round(pressure_left(0.1, 0.1, 0.5, 1.0), 6)
     0.367879

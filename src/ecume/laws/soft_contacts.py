@@ -2,9 +2,9 @@
 deflection.
 
 An elastic law (`ecume.laws.surfaces`) gives the stiffness k of a contact at one deflection. A deflection has a normal
-part delta_n, positive in tension, and a part along the surface, delta_t. The tension law determines which normal
-deflection widens the contact, and what tension its film transmits. The tangential law determines the effect of the
-sheared part on the stiffness. Forces are k_n delta_n and k_t delta_t.
+part delta_n, positive in tension, and a part along the surface, delta_t. The tension law determines the normal
+deflection that widens the contact, and the tension that its film transmits. The tangential law determines the effect of
+the sheared part on the stiffness. Forces are k_n delta_n and k_t delta_t.
 """
 
 from __future__ import annotations
@@ -61,7 +61,7 @@ def gap_widening(stretch: Length) -> Widening:
 
 
 class Draw(NamedTuple):
-    """The tension that opens a film, after cavitation."""
+    """The tension that opens a film, with cavitation."""
 
     tension: Force
     by_tension: Number
@@ -82,8 +82,8 @@ def whole_draw(tension: Force) -> Draw:
 def cavitation_limit(contact_size: Length, cavitation_pressure: Pressure) -> Force:
     """The largest tension of a film, pi a^2 p_c: its pressure is nowhere below the outer one by more than p_c.
 
-    a is the contact size. p_c is the ambient pressure less that of the vapor, about 98 kPa for water at 20 degC; less
-    where the liquid contains nuclei or gas. [brennen1995].
+    a is the contact size. p_c is the ambient pressure minus the vapor pressure, about 98 kPa for water at 20 degC; it
+    is lower if the liquid contains nuclei or gas. [brennen1995].
 
     >>> round(cavitation_limit(0.1, 100.0), 9)
     3.141592654
@@ -95,7 +95,7 @@ def cavitated_draw(tension: Force, contact_size: Length, cavitation_pressure: Pr
     """Law of a film with cavitation: under a tension F above the limit L it opens as under F + 100 (F - L), since vapor
     fills it.
 
-    From L to 1.02 L the transition is smooth. Below L, and in compression, it is F. [brennen1995].
+    From L to 1.02 L the transition is smooth. Below L, and in compression, the result is F. [brennen1995].
 
     >>> cavitated_draw(1.0, 0.1, 100.0).tension, round(cavitated_draw(4.0, 0.1, 100.0).tension)
     (1.0, 87)
@@ -121,9 +121,9 @@ class Bending(NamedTuple):
 def normal_bending(widening: Length, shear: Length) -> Bending:
     """The paper's law: the stiffness depends on the normal deflection alone, F_t = alpha_t E a(h, delta_n) delta_t.
 
-    It has no potential: a contact that is sheared while it is wide, and released while it is narrow, consumes energy;
-    the opposite order yields energy. Its stiffness is not definite for |delta_t| > 4.9 |delta_n|.
-    [rognon2009, eq. 12 to 14]; [elata1996].
+    It has no potential: shearing a contact while it is wide, and releasing it while it is narrow, consumes energy; the
+    opposite order releases energy. Its stiffness is not definite for |delta_t| > 4.9 |delta_n|. [rognon2009, eq. 12 to
+    14]; [elata1996].
 
     >>> normal_bending(-0.1, 0.3)
     Bending(deflection=-0.1, by_widening=1.0, by_shear=0.0)
@@ -160,7 +160,7 @@ def sheared_energy(stiffness: Stiffness, shear_squared: Area) -> Energy:
 
 
 def no_sheared_energy(stiffness: Stiffness, shear_squared: Area) -> Energy:
-    """Zero: the energy of the whole deflection includes that of the shear.
+    """Return zero: the energy of the whole deflection includes that of the shear.
 
     >>> no_sheared_energy(2.0, 9.0)
     0.0

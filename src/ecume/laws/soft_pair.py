@@ -42,8 +42,8 @@ def squeeze_friction(
 def shear_friction(contact_size: Length, gap: Length, viscosity: Viscosity, prefactor: Number = DISC_SHEAR) -> Friction:
     """Friction zeta_t = c_t eta a^2 / h against sliding: force over the sliding speed.
 
-    Couette flow between discs of radius a, a gap h apart. Two rigid spheres slide against pi eta R ln(R/h): the model
-    drops the logarithm, a factor of 7 at h = R/1000. [rognon2009, eq. 11].
+    Couette flow between discs of radius a, a gap h apart. Two rigid spheres have the friction pi eta R ln(R/h): the
+    model neglects the logarithm, a factor of 7 at h = R/1000. [rognon2009, eq. 11].
 
     >>> shear_friction(0.1, 0.01, 1.0) == math.pi * 0.1**2 / 0.01
     True
@@ -59,11 +59,11 @@ def entrained_force(speed: Speed, compression: Force, contact_size: Length, visc
     """Elastohydrodynamic force T = sqrt(3/4 eta u N a) between soft surfaces in relative sliding.
 
     u is the sliding speed, N the compressive force, a the contact size. Sliding draws liquid into the contact until its
-    pressure balances that of the surfaces: eta u a/h^2 ~ N/a^2. With this film thickness h,
-    `shear_friction` gives T ~ eta u a^2/h, the square root. The prefactor is that of soft particle glasses, T =
-    sqrt(eta u C E* R*^3) eps^((2n + 1)/4) for an elastic force N = 4/3 C E* R*^2 eps^n at the overlap eps R*, with
-    a^2 = R*^2 eps; for Hertz's contact n = 3/2 and C = 1. [seth2011]; restated from the literature, without the text
-    of the paper at hand: overlaps refer to R*, since the elastic law is Hertz's only then.
+    pressure balances that of the surfaces: eta u a/h^2 ~ N/a^2. With this film thickness h, `shear_friction` gives T ~
+    eta u a^2/h, the square root. The prefactor is that of soft particle glasses, T = sqrt(eta u C E* R*^3) eps^((2n +
+    1)/4) for an elastic force N = 4/3 C E* R*^2 eps^n at the overlap eps R*, with a^2 = R*^2 eps; for Hertz's contact n
+    = 3/2 and C = 1. [seth2011]; taken from the literature, since the text of the paper was not available: overlaps
+    refer to R*, since the elastic law is Hertz's only then.
 
     >>> modulus, radius, overlap = 3.0, 0.5, 0.04
     >>> load = 4 / 3 * modulus * radius**2 * overlap**1.5
@@ -108,10 +108,10 @@ def reduced_radius(radius_i: Length, radius_j: Length) -> Length:
 
 
 def pair_modulus(modulus_i: Pressure, modulus_j: Pressure) -> Pressure:
-    """Modulus E = 2 / (1/E_i + 1/E_j) of two surfaces in series; with a rigid one, twice the
-    modulus of the other.
+    """Modulus E = 2 / (1/E_i + 1/E_j) of two surfaces in series; for a rigid partner, twice the modulus of the other
+    surface.
 
-    Of equal Poisson ratios, which the prefactors hold. [johnson1985, eq. 4.18].
+    Both surfaces have the same Poisson ratio, which is contained in the prefactors. [johnson1985, eq. 4.18].
 
     >>> pair_modulus(3.0, 3.0), pair_modulus(3.0, math.inf)
     (3.0, 6.0)
@@ -198,8 +198,7 @@ def bent_energy(deflection: Length, stiffness: Stiffness, ratio: Number) -> Ener
 
 
 def gap_energy(deflection: Length, stiffness: Stiffness, ratio: Number) -> Energy:
-    """Slope h dU/dh of `bent_energy` over the gap, at a constant deflection: k delta^2 (s + 2) / (3
-    (s + 1)^2).
+    """Slope h dU/dh of `bent_energy` over the gap, at a constant deflection: k delta^2 (s + 2) / (3 (s + 1)^2).
 
     A wider film has a wider contact, which is stiffer, without a force on the film: force and gap have no common
     potential, and this is the energy that surfaces gain or lose in addition to the work on them. From [rognon2009, eq.

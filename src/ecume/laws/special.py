@@ -1,9 +1,9 @@
 """Bessel functions of the meniscus: scalars that loops can compile, and a fit of K1 for loops that vectorize.
 
-Near zero they are their power series, whose coefficients are exact. Beyond, sqrt(x) exp(x) K(x) is the quotient of
-two polynomials in 1/x (all coefficients positive: nothing cancels), and sqrt(x) exp(-x) I(x) a Chebyshev series in
-16/x - 1. Both interpolate values of 60 digits at Chebyshev nodes. Relative errors stay below 4e-15 wherever the value
-itself is a normal number. Arguments are positive; at zero K has no value, and I0 = 1, I1 = 0.
+Near zero the functions are computed by power series, whose coefficients are exact. Beyond, sqrt(x) exp(x) K(x) is the
+quotient of two polynomials in 1/x (all coefficients positive: nothing cancels), and sqrt(x) exp(-x) I(x) a Chebyshev
+series in 16/x - 1. Both interpolate values with 60 digits at Chebyshev nodes. Relative errors stay below 4e-15 wherever
+the value itself is a normal number. Arguments are positive; at zero K has no value, and I0 = 1, I1 = 0.
 """
 
 from __future__ import annotations

@@ -34,7 +34,7 @@ def power(ratio: Pure[Value], exponent: Number) -> Pure[Value]:
     >>> power(2.0, 7.0), power(2.0, 6.0), power(4.0, 0.5)
     (128.0, 64.0, 2.0)
     """
-    if exponent == 7.0 or exponent == 6.0:  # a tuple would be compiled
+    if exponent == 7.0 or exponent == 6.0:  # a tuple of exponents would be compiled
         cube = ratio * ratio * ratio
         return cube * cube * ratio if exponent == 7.0 else cube * cube
     general: Value = ratio**exponent
@@ -62,7 +62,7 @@ def tait_density(
 ) -> Densities[Value]:
     """Density rho = rho_0 (1 + p/b)^(1/gamma) at a gauge pressure; the inverse of `tait_pressure`.
 
-    For p > -b, the limit of tension. [monaghan1994].
+    It holds for p > -b, the limit of tension. [monaghan1994].
 
     >>> round(tait_density(tait_pressure(1010.0, 1000.0, 10.0), 1000.0, 10.0), 9)
     1010.0
@@ -93,8 +93,8 @@ def speed_of_stiffness(stiff: Pressure, reference_density: Density, exponent: Nu
 def numerical_sound_speed(depth: Length, largest_speed: Speed, gravity: Acceleration) -> Speed:
     """Sound speed 10 max(sqrt(g H), u) that keeps changes of density below 1 %. [monaghan1994].
 
-    Sound this slow allows long time steps, and the effect of compressibility on the flow remains small: the change of
-    density is the square of the Mach number. A column of the depth H is 0.49 % shorter than H.
+    Such a low sound speed permits long time steps, and the effect of compressibility on the flow remains small: the
+    change of density is the square of the Mach number. A column of the depth H is 0.49 % shorter than H.
 
     >>> numerical_sound_speed(1.0, 2.0, 9.0)
     30.0

@@ -49,7 +49,7 @@ def softness(area: Area, radius_sum: Length, reduced_radius: Length) -> Number:
     over force.
 
     The area is a^2. For a << R this is the sum of 2 ln(2R/a) - 5/6 of the theory; the 1 keeps it positive for larger a,
-    where it is only known that bubbles become stiff. [morse1993].
+    for which it is only known that bubbles become stiff. [morse1993].
 
     >>> round(softness(1e-4, 2.0, 0.5) / 2 - (2 * math.log(2 / 0.01) - 5 / 6), 4)
     0.0001

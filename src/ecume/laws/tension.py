@@ -20,8 +20,8 @@ def cohesion_kernel(distance: Length, support: Length) -> PerVolume:
     """Akinci's cohesion C(r), positive attracts: neighbors beyond half the support are attracted, the nearest are
     repelled.
 
-    32/(pi s^9) (s-r)^3 r^3 for s/2 < r < s, and 2 (s-r)^3 r^3 - s^6/64 in place of the product below; s: support, the
-    kernel's whole support radius. The force on i is -gamma m_i m_j C(r) (x_i - x_j)/r, where gamma is an adjustable
+    32/(pi s^9) (s-r)^3 r^3 for s/2 < r < s, with 2 (s-r)^3 r^3 - s^6/64 instead of the product below s/2; s: support,
+    the kernel's whole support radius. The force on i is -gamma m_i m_j C(r) (x_i - x_j)/r, where gamma is an adjustable
     strength (in m^3/(kg s^2)), not a tension in N/m. [akinci2013].
 
     >>> cohesion_kernel(0.75, 1.0) > 0.0 > cohesion_kernel(0.05, 1.0), cohesion_kernel(1.5, 1.0)
@@ -146,9 +146,10 @@ def solid_color(cosine: Number) -> Number:
 
 
 def steepness(gradient: Curvature, least: Curvature) -> Curvature:
-    """phi(g): the length g of the color's gradient, and (g^2/g_0 + g_0)/2 below g_0, where its direction is noise.
+    """Function phi(g): the length g of the gradient of the color, and (g^2/g_0 + g_0)/2 below g_0, where its direction
+    is noise.
 
-    Value and slope go on without a step there; phi'(g)/g = 1/max(g, g_0). [brackbill1992].
+    Value and slope are continuous there; phi'(g)/g = 1/max(g, g_0). [brackbill1992].
 
     >>> steepness(3.0, 1.0), steepness(0.0, 1.0)
     (3.0, 0.5)

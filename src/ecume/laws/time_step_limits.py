@@ -26,7 +26,7 @@ VISCOUS = 0.125
 
 
 def acoustic_limit(smoothing_length: Length, sound_speed: Speed, speed: Speed, courant: Number = COURANT) -> Time:
-    """0.25 h / (c_0 + u): sound crosses a quarter of a smoothing length. [monaghan1992, morris1997].
+    """Time 0.25 h / (c_0 + u) in which sound crosses a quarter of a smoothing length. [monaghan1992, morris1997].
 
     >>> acoustic_limit(0.1, 9.0, 1.0)
     0.0025
@@ -35,7 +35,8 @@ def acoustic_limit(smoothing_length: Length, sound_speed: Speed, speed: Speed, c
 
 
 def advective_limit(smoothing_length: Length, speed: Speed, courant: Number = COURANT) -> Time:
-    """0.25 h / u: the liquid moves by a quarter of a smoothing length; no sound crosses it. [ihmsen2014].
+    """Time 0.25 h / u in which the liquid moves by a quarter of a smoothing length, for liquids without sound.
+    [ihmsen2014].
 
     >>> advective_limit(0.1, 1.0)
     0.025
@@ -44,7 +45,7 @@ def advective_limit(smoothing_length: Length, speed: Speed, courant: Number = CO
 
 
 def viscous_limit(smoothing_length: Length, viscosity: KinematicViscosity) -> Time:
-    """0.125 h^2 / nu: momentum diffuses no farther than particles see. [morris1997].
+    """Time 0.125 h^2 / nu in which momentum diffuses over less than the range of the kernel. [morris1997].
 
     >>> viscous_limit(0.1, 0.0), round(viscous_limit(0.1, 1e-3), 12)
     (inf, 1.25)
@@ -53,7 +54,8 @@ def viscous_limit(smoothing_length: Length, viscosity: KinematicViscosity) -> Ti
 
 
 def force_limit(smoothing_length: Length, acceleration: Acceleration) -> Time:
-    """0.25 sqrt(h / a): a force moves a particle by a small part of h. [monaghan1992, morris1997].
+    """Time 0.25 sqrt(h / a) in which an acceleration moves a particle by a small fraction of h. [monaghan1992,
+    morris1997].
 
     >>> force_limit(1.0, 0.0), force_limit(0.04, 1.0)
     (inf, 0.05)
@@ -62,7 +64,7 @@ def force_limit(smoothing_length: Length, acceleration: Acceleration) -> Time:
 
 
 def late_damping_limit(density: Density, bulk_viscosity: Viscosity, wavenumber: WaveNumber) -> Time:
-    """0.35 rho / (zeta k^2): how long damping by the rate of density a step ago may take, k being the largest
+    """Time 0.35 rho / (zeta k^2), the limit for damping by the rate of density of the previous step; k is the largest
     wavenumber of smoothed gradients in a lattice.
 
     With lambda = zeta k^2/rho and omega = c k the Verlet scheme of `sph` is stable up to lambda dt = 0.82, 0.78 and
@@ -78,7 +80,8 @@ def late_damping_limit(density: Density, bulk_viscosity: Viscosity, wavenumber: 
 
 
 def tension_limit(smoothing_length: Length, density: Density, surface_tension: SurfaceTension) -> Time:
-    """sqrt(rho h^3 / (2 pi sigma)): the shortest capillary wave crosses a smoothing length. [brackbill1992].
+    """Time sqrt(rho h^3 / (2 pi sigma)) in which the shortest capillary wave crosses a smoothing length.
+    [brackbill1992].
 
     >>> tension_limit(0.1, 1000.0, 0.0)
     inf
@@ -89,13 +92,14 @@ def tension_limit(smoothing_length: Length, density: Density, surface_tension: S
 
 
 def body_sound_limit(areal_mass: ArealMass, density: Density, sound_speed: Speed, overlap: PerLength) -> Time:
-    """sqrt(m / (rho c_0^2 I)): how long a body of the mass m per unit of its surface may ignore the liquid's answer.
+    """Time sqrt(m / (rho c_0^2 I)), the limit for the pressure response of the liquid to a body of the mass m per unit
+    of its surface.
 
-    A surface that comes nearer by x raises the density of a particle z before it by rho x w(z), w(z) being the kernel
-    summed over the plane of the surface; dummies answer with the same pressure again. That is a spring of
-    2 rho c_0^2 I per unit of surface, I = integral of w^2 over z > 0, and a swing of the rate
-    omega <= sqrt(2 rho c_0^2 I / m) for any convex body. Explicit schemes follow it up to steps of 2/omega; this is
-    sqrt(2)/omega. Derived here; continuity and pressure are those of [monaghan1992], dummies those of [adami2012].
+    A surface that approaches by x raises the density of a particle at the distance z by rho x w(z), where w(z) is the
+    kernel summed over the plane of the surface; dummies exert the same pressure again. This is a spring of stiffness 2
+    rho c_0^2 I per unit of surface, I = integral of w^2 over z > 0, and an oscillation of the frequency omega <= sqrt(2
+    rho c_0^2 I / m) for any convex body. Explicit schemes are stable up to steps of 2/omega; this is sqrt(2)/omega.
+    Derived here; continuity and pressure are those of [monaghan1992], dummies those of [adami2012].
 
     >>> body_sound_limit(1.0, 1000.0, 10.0, 10.0)
     0.001
@@ -104,13 +108,14 @@ def body_sound_limit(areal_mass: ArealMass, density: Density, sound_speed: Speed
 
 
 def body_damping_limit(areal_mass: ArealMass, bulk_viscosity: Viscosity, overlap: PerLength) -> Time:
-    """M / (4 zeta I): how long a body of the mass m per unit of its surface may ignore the liquid's acoustic damping.
+    """Time m / (4 zeta I), the limit for the response of the liquid's acoustic damping to a body of the mass m per unit
+    of its surface.
 
-    A surface that approaches at the speed v raises the density of a particle z before it at the rate rho v w(z), see
-    `body_sound_limit`; damping of the bulk viscosity zeta answers with zeta v w(z), and dummies with the same again.
-    The body is slowed at the rate gamma = 2 zeta I / m while it swings at the rate omega of `body_sound_limit`, which
-    explicit schemes follow while (omega dt)^2 < 4 - 2 gamma dt; this is 1/(2 gamma). Derived here for the damper of
-    [sun2023]. Infinite without damping.
+    A surface that approaches at the speed v raises the density of a particle at the distance z at the rate rho v w(z),
+    see `body_sound_limit`; damping with the bulk viscosity zeta adds the pressure zeta v w(z), and dummies the same
+    again. The body slows down at the rate gamma = 2 zeta I / m while it oscillates at the frequency omega of
+    `body_sound_limit`; explicit schemes are stable for (omega dt)^2 < 4 - 2 gamma dt; this is 1/(2 gamma). Derived here
+    for the damper of [sun2023]. Infinite without damping.
 
     >>> body_damping_limit(1.0, 2.5, 10.0), body_damping_limit(1.0, 0.0, 10.0)
     (0.01, inf)
@@ -123,8 +128,8 @@ def body_drag_limit(areal_mass: ArealMass, viscosity: Viscosity, plane_weight: P
     liquid's friction.
 
     Friction along velocities [morris1997] between liquid and dummies that move as mirrored at the surface [adami2012]
-    slows such a body at the rate 4 eta w(0) / m, w(0) being the kernel summed over a plane through its middle.
-    Explicit schemes follow that up to twice this time. Derived here. Infinite without viscosity.
+    slows such a body at the rate 4 eta w(0) / m, w(0) being the kernel summed over a plane through its middle. Explicit
+    schemes are stable up to twice this time. Derived here. Infinite without viscosity.
 
     >>> body_drag_limit(1.0, 0.25, 10.0), body_drag_limit(1.0, 0.0, 10.0)
     (0.1, inf)
@@ -133,11 +138,11 @@ def body_drag_limit(areal_mass: ArealMass, viscosity: Viscosity, plane_weight: P
 
 
 def radial_excess(dimensions: Number) -> Number:
-    """2 (d + 2) / (d + 1): how much stronger friction along lines between particles is on a plate that moves along its
-    normal than friction along velocities.
+    """Ratio 2 (d + 2) / (d + 1) of the friction along lines between particles, on a plate that moves along its normal,
+    to the friction along velocities.
 
-    The one is (d + 2) cos^2 of the other for a pair that is inclined to the motion; weighed with the pairs that reach
-    through a plane, cos^2 has the mean 2 / (d + 1). Friction as in [monaghan2005]; the mean is derived here.
+    For a pair that is inclined to the motion, the former is (d + 2) cos^2 times the latter; averaged over the pairs
+    that cross a plane, cos^2 is 2 / (d + 1). Friction as in [monaghan2005]; the mean is derived here.
 
     >>> round(radial_excess(2.0), 12), radial_excess(3.0)
     (2.666666666667, 2.5)

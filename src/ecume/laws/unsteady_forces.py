@@ -1,4 +1,4 @@
-"""Forces on a small sphere in a liquid whose velocity varies in place and time, beside drag and buoyancy."""
+"""Forces on a small sphere in a liquid with unsteady and nonuniform velocity, in addition to drag and buoyancy."""
 
 from __future__ import annotations
 
@@ -61,7 +61,7 @@ def saffman_lift(slip: Speed, radius: Length, density: Density, viscosity: Visco
 
 
 def history_ratio(radius: Length, kinematic_viscosity: KinematicViscosity, rate: Rate) -> Number:
-    """Basset's history force over Stokes's drag for a relative velocity that swings, a sqrt(w/nu).
+    """Basset's history force over Stokes drag for a relative velocity that oscillates, a sqrt(w/nu).
 
     w: `rate`, the angular frequency. [maxey1983].
 

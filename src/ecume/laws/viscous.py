@@ -1,7 +1,7 @@
 """Viscous forces between particles of a liquid: artificial, laminar, and by eddies smaller than particles.
 
 Pairs are (i, j) with x = x_i - x_j, v = v_i - v_j and the kernel's slope over the distance F = (1/r) dW/dr, never
-positive. A friction Z pulls i by the force Z F v, against its motion past j; a pressure term P pushes i by the
+positive. A friction Z exerts the force Z F v on i, against its motion relative to j; a pressure term P gives i the
 acceleration -m_j P F x: positive repels.
 """
 
@@ -42,8 +42,8 @@ def artificial_viscosity(
 ) -> PairPressure:
     """Pressure term Pi = (-alpha c mu + beta mu^2) / rho of a pair that approaches; positive repels.
 
-    mu: approach_speed, not positive; rho, c: density and sound_speed, means of the pair. alpha damps noise, beta keeps
-    particles apart in shocks, which liquids have not. [monaghan1992, eq. 4.1].
+    mu: approach_speed, not positive; rho, c: density and sound_speed, means of the pair. alpha damps noise, beta
+    prevents particles from crossing in shocks, which liquids do not have. [monaghan1992, eq. 4.1].
 
     >>> artificial_viscosity(-2.0, 1000.0, 10.0, 0.05)
     0.001
@@ -54,9 +54,9 @@ def artificial_viscosity(
 def acoustic_damping(alpha: Number, density: Density, smoothing_length: Length, sound_speed: Speed) -> Viscosity:
     """Alpha rho_0 c_0 h, the bulk viscosity zeta of the acoustic damper [sun2023].
 
-    There it adds -zeta div v to the pressure; here (zeta/rho) drho/dt, which is the same without density diffusion, and
-    zero where diffusion balances a divergence that only sums see. Sound of the wavenumber k decays at the rate
-    alpha c_0 h k^2/2, flows of constant density not at all.
+    The paper adds -zeta div v to the pressure; here it is (zeta/rho) drho/dt, which is the same without density
+    diffusion, and zero where diffusion balances a divergence that exists only in the sums. Sound of the wavenumber k
+    decays at the rate alpha c_0 h k^2/2; flows of constant density are not damped.
 
     >>> acoustic_damping(1.0, 1000.0, 0.1, 20.0)
     2000.0
@@ -67,9 +67,10 @@ def acoustic_damping(alpha: Number, density: Density, smoothing_length: Length, 
 def viscosity_of_alpha(
     alpha: Number, smoothing_length: Length, sound_speed: Speed, dimensions: Number
 ) -> KinematicViscosity:
-    """The kinematic viscosity nu = alpha h c / (2 (dim + 2)) that artificial viscosity amounts to.
+    """The kinematic viscosity nu = alpha h c / (2 (dim + 2)) that is equivalent to an artificial viscosity.
 
-    When it acts on pairs that part, too; on approaching pairs only, about half. [monaghan2005].
+    This holds if it also acts on separating pairs; if it acts only on approaching pairs, the value is about half.
+    [monaghan2005].
 
     >>> round(viscosity_of_alpha(0.08, 0.1, 10.0, 2), 9)
     0.01
@@ -82,7 +83,7 @@ def morris_friction(
 ) -> PairFriction:  # fmt: skip
     """Friction Z = (eta_i + eta_j) V_i V_j of a pair. [morris1997, eq. 22].
 
-    Keeps linear, not angular momentum. The paper softens r^2 by 0.01 h^2, which F makes needless. In two dimensions
+    It conserves linear, not angular momentum. The paper softens r^2 by 0.01 h^2, which is not necessary with F. In 2D
     volumes are areas, and forces are per meter.
 
     >>> morris_friction(1.0, 3.0, 2.0, 0.5)
@@ -107,9 +108,9 @@ def radial_friction(
 ) -> PairFriction:
     """Friction Z = 4 (dim + 2) eta_i eta_j/(eta_i + eta_j) V_i V_j of a pair along the line between the two alone.
 
-    It pulls i by the force Z F (v.x) x/r^2: laminar viscosity in the form of the artificial one, on pairs that approach
-    and that part. [monaghan2005]. Keeps angular momentum, too, and dissipates as a liquid does up to
-    a free surface, where friction along v loses half of it [colagrossi2013].
+    The force on i is Z F (v.x) x/r^2: laminar viscosity in the form of the artificial one, for approaching and for
+    separating pairs. [monaghan2005]. It also conserves angular momentum, and has the correct dissipation up to a free
+    surface, where friction along v loses half of it [colagrossi2013].
 
     >>> radial_friction(1.0, 1.0, 2.0, 0.5, 2)
     8.0
@@ -125,7 +126,7 @@ def corrected_friction(
     """The `radial_friction` of a pair, times its completion x.(B_i + B_j) x / 2 r^2 at a free surface. [schwaiger2008].
 
     B: the matrix of corrected gradients, by which the paper completes the Laplacian of a scalar; here pair by pair, so
-    that friction keeps linear and angular momentum, and never drives the liquid.
+    that friction conserves linear and angular momentum, and never accelerates the liquid.
 
     >>> corrected_friction(1.0, 1.0, 2.0, 0.5, 2, 1.5)
     12.0
@@ -137,10 +138,10 @@ def friction_left(pair_distance: Length, surface_per_volume: PerLength, dimensio
     """Fraction 1 - c (S/V) <r> of the friction in full surroundings that remains in a liquid with a
     free surface.
 
-    <r>: pair_distance, the mean weighed as friction weighs pairs, (d+1)/d times the kernel's mean distance: h for
-    Wendland's C2 in 2D, 10 h/9 in 3D. Of all pairs the part c (S/V) <r> reaches through a sharp surface to
-    neighbors that are not there; c, half of the mean |cos| of the direction, is 1/pi in 2D, 1/4 in 3D.
-    Derived here, to first order in <r>, for friction as in [monaghan2005] and a strain that is even.
+    <r>: pair_distance, the mean with the weights of pairs in the friction, (d+1)/d times the kernel's mean distance: h
+    for Wendland's C2 in 2D, 10 h/9 in 3D. The fraction c (S/V) <r> of all pairs crosses a sharp surface, where
+    neighbors are missing; c, half of the mean |cos| of the direction, is 1/pi in 2D, 1/4 in 3D. Derived here, to first
+    order in <r>, for friction as in [monaghan2005] and a strain that is even.
 
     >>> round(friction_left(10.0 / 9.0 * 0.1, 3.0, 3), 12)
     0.916666666667

@@ -1,7 +1,8 @@
 """Drag of a sphere near a plane wall: exact series, and a table of mobilities for compiled code.
 
-The factors are the friction over Stokes's 6 pi eta a, of a sphere that moves along the wall and turns freely, and of
-one that moves toward it. Mobilities are their inverses, and diffusion coefficients those times the one far from walls.
+The factors are the friction over Stokes's 6 pi eta a, for a sphere that moves along the wall and rotates freely, and
+for one that moves toward it. Mobilities are their inverses, and diffusion coefficients those times the one far from
+walls.
 """
 
 from __future__ import annotations
@@ -42,10 +43,10 @@ def perpendicular_factor(gap: Length, radius: Length) -> Number:
 
 
 def parallel_factor(gap: Length, radius: Length) -> Number:
-    """The drag along a wall over Stokes's, of a sphere that turns freely: F - (3/4) C^2/T.
+    """The drag along a wall over Stokes's, for a sphere that rotates freely: F - (3/4) C^2/T.
 
-    F: that of a sphere that does not turn [oneill1964]; T: the torque of one that turns, over 8 pi eta a^3 per angular
-    velocity; C: its force, over 6 pi eta a^2 [dean1963]. 1 + 9 a/(16 h) far away [goldman1967].
+    F: the drag of a sphere that does not rotate [oneill1964]; T: the torque on one that rotates, over 8 pi eta a^3 per
+    angular velocity; C: the force on it, over 6 pi eta a^2 [dean1963]. Far away it is 1 + 9 a/(16 h) [goldman1967].
 
     >>> round(parallel_factor(0.5431, 1.0), 4)
     1.5672
@@ -72,14 +73,14 @@ class Coefficients(NamedTuple):
 
 
 def _force(c: float, way: Way) -> float:
-    """The force along the wall: [oneill1964; dean1963]."""
+    """The force along the wall. [oneill1964; dean1963]."""
     found = coefficients(c, way)
     scale = math.sinh(c) if way == "moving" else -(math.sinh(c) ** 2)
     return math.sqrt(2.0) / 6.0 * scale * float((found.e + found.n * (found.n + 1.0) * found.c).sum())
 
 
 def _torque(c: float) -> float:
-    """The torque on a sphere that turns about an axis parallel to the wall. [dean1963]."""
+    """The torque on a sphere that rotates about an axis parallel to the wall. [dean1963]."""
     k, cotangent = coefficients(c, "turning"), 1.0 / math.tanh(c)
     shrunk, order, odd = np.exp(-(2.0 * k.n + 1.0) * c), k.n * (k.n + 1.0), 2.0 * k.n + 1.0 - cotangent
     terms = (2.0 + shrunk) * (order * (2.0 * k.a + k.c * cotangent) - odd * k.e)
@@ -88,7 +89,7 @@ def _torque(c: float) -> float:
 
 
 def coefficients(c: float, way: Way) -> Coefficients:
-    """The solution of O'Neill's tridiagonal equations for a sphere at cosh(c) radii from the wall.
+    """The solution of O'Neill's tridiagonal equations for a sphere whose center is cosh(c) radii from the wall.
 
     With x, r and z in units of a sinh(c): pressure eta U Q cos(phi)/a sinh(c), velocities U/2 (r Q + U2 + U0) cos(phi),
     U/2 (U2 - U0) sin(phi) and U/2 (z Q + 2 W) cos(phi), where W, Q, U0 and U2 are sums with the coefficients A; B, C;
@@ -143,7 +144,7 @@ def _drive(m: Array, c: float, way: Way) -> Array:
 
 @cache
 def mobility_table() -> Array:
-    """(NODES, 2) the mobility along a wall, and that toward it over gap/(gap + a), which is 1 at contact and far away.
+    """The mobility (NODES, 2) along a wall, and that toward it over gap/(gap + a), which is 1 at contact and far away.
 
     The gaps are CLOSEST to FARTHEST radii, in equal steps of their logarithm.
     """
@@ -154,7 +155,8 @@ def mobility_table() -> Array:
 
 
 def wall_mobilities(gap: Length, radius: Length, table: Array) -> tuple[Number, Number]:
-    """Mobilities of a sphere along a wall and toward it, over the one far from walls: cubics through the table.
+    """Mobilities of a sphere along a wall and toward it, relative to that far from walls, by cubic interpolation in the
+    table.
 
     Below its first gap the friction along the wall grows by (1/2) ln(1/gap), and that toward it as 1/gap
     [goldman1967].

@@ -6,13 +6,13 @@ all such particles are in one plane, so that pair forces cannot move them away f
 measured from the wall into the liquid, and forces are positive away from the wall.
 
 `impact_braking` is the dissipative pressure of the Riemann problem at a wall, summed over the half-space behind it. A
-sum over images has one image for each particle that arrives: too little for the tip of a jet of one or two particles,
-which would stop elastically in a water hammer of rho c u.
+sum over images has one image for each arriving particle. This is not enough at the tip of a jet of one or two
+particles, which would stop elastically with a water hammer of rho c u.
 
-A reading of pressure is a force per area: dry parts of a sensor have none. Each particle is smoothed to a Gaussian of
-variance dx^2/2. The sum over particles is 1 in the liquid, 1/2 at its surface, half a spacing beyond the last row, and
-0 in the air; a sheet as thick as one spacing reaches 0.52. Near walls and solids the sum is divided by the free part of
-the surroundings.
+The reading of a pressure sensor is a force per area; dry parts contribute no force. Each particle is smoothed to a
+Gaussian of variance dx^2/2. The sum over particles is 1 in the liquid, 1/2 at its surface, half a spacing beyond the
+last row, and 0 in the air; a sheet as thick as one spacing reaches 0.52. Near walls and solids the sum is divided by
+the free part of the surroundings.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ from ecume.units import Acceleration, Length, Number, Speed, Unit
 
 
 def standoff_push(gap: Length, reach: Length, speed: Speed) -> Acceleration:
-    """Acceleration (v/z)^2 (z - d) at a gap d below the range z, otherwise 0: particles with the speed v just reach the
+    """Acceleration (v/z)^2 (z - d) at a gap d below the range z, otherwise 0; particles with the speed v just reach the
     wall.
 
     The simplest of the common wall repulsions [monaghan1994]; here it replaces forces that sums do not resolve, and is
@@ -103,8 +103,8 @@ def covered_part(filled: Number, room: Number) -> Number:
     """Wet part min(1, 2 filled/room): 1 in the liquid up to its surface, where half of the room is filled, and less
     outside.
 
-    In other codes sums over less than half of a kernel are not normalized, or count as dry [dominguez2022]; this is a
-    continuous form.
+    Other codes do not normalize sums over less than half of a kernel, or count them as dry [dominguez2022]; this form
+    is continuous.
 
     >>> covered_part(0.5, 1.0), covered_part(0.1, 1.0), covered_part(0.25, 0.5), covered_part(0.0, 0.0)
     (1.0, 0.2, 1.0, 1.0)

@@ -1,8 +1,8 @@
 """Liquids whose viscosity depends on the rate of strain (power law, Bingham, Herschel-Bulkley), and their channel flow.
 
-The stress is tau = tau_y + K g^n where it exceeds the yield stress, with g = sqrt(2 S:S) the rate of strain. Below,
-such a liquid does not flow; here it creeps with a largest viscosity, which limits the time step of a simulation: the
-regularized viscosity of [liu2016].
+The stress is tau = tau_y + K g^n where it exceeds the yield stress, with g = sqrt(2 S:S) the rate of strain. Below the
+yield stress such a liquid does not flow. Here it creeps with a largest viscosity, the regularized viscosity of
+[liu2016], which limits the time step of a simulation.
 """
 
 from __future__ import annotations

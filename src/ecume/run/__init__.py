@@ -4,11 +4,11 @@ ecume.run.run(scene, "runs/bowl")
 ecume.run.resume("runs/bowl")
 ecume.run.info("runs/bowl").frames
 
-Start with `runner`. `directory` names the files. `recording` writes frames (what: `selection`), numbers (`scalars`) and
-`samples`; `progress`, `checkpoints`, `constants` and `manifest` write and read the other files, in `archives` of arrays
-or as records. `lock` deals with other processes and signals, `invariant_monitor` checks each frame, `comparison` finds
-the difference of two frames. `reports` and `verification` look at one or several runs from outside. `user_code`
-identifies a user's laws and actions. `research_object` describes a run as an RO-Crate.
+Start with `runner`. `directory` defines the files. `recording` writes frames (selected by `selection`), numbers
+(`scalars`) and `samples`; `progress`, `checkpoints`, `constants` and `manifest` write and read the other files, in
+`archives` of arrays or as records. `lock` deals with other processes and signals, `invariant_monitor` checks each
+frame, `comparison` finds the difference of two frames. `reports` and `verification` read one or several runs.
+`user_code` identifies user laws and actions. `research_object` describes a run as an RO-Crate.
 """
 
 from ecume.run.directory import RunDirectory

@@ -1,7 +1,7 @@
 """Archives of arrays (`.npz`) from unknown sources: each size is compared with the file before memory is allocated.
 
-`numpy.savez` stores arrays as they are. An archive that is compressed, or whose arrays are larger than the file,
-was not written by it and is refused. `seal` adds a checksum of the whole file, as the comment that the format of
+`numpy.savez` stores arrays without compression. An archive that is compressed, or whose arrays are larger than the
+file, has another origin and is refused. `seal` adds a checksum of the whole file, as the comment that the format of
 archives provides.
 """
 
@@ -151,7 +151,7 @@ FORMER_NAMES = {
 
 
 def with_present_names(stored: Stored, present: Iterable[str]) -> Stored:
-    """The stored arrays under the present names of the fields, which may be paths of several names."""
+    """The stored arrays under the present names of the fields; a former name may correspond to several of them."""
     former = {".".join(FORMER_NAMES.get(word, word) for word in name.split(".")): name for name in present}
     return {name if name in present else former.get(name, name): array for name, array in stored.items()}
 

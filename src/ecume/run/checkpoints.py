@@ -33,7 +33,7 @@ class Checkpoint(NamedTuple):
 
 
 def save(home: RunDirectory, checkpoint: Checkpoint) -> Path:
-    """Write a checkpoint, and remove those that are too old."""
+    """Write a checkpoint, and remove older ones beyond the newest two."""
     arrays: dict[str, NDArray[Any]] = {"frames": np.array([checkpoint.frames])}
     if run := identity_of(home):
         arrays |= {STEP: np.array([checkpoint.step]), RUN: np.frombuffer(run.encode(), np.uint8)}
@@ -60,7 +60,7 @@ def sound_arrays(home: RunDirectory, path: Path) -> dict[str, NDArray[Any]]:
 
 
 def require_sound(home: RunDirectory, path: Path) -> None:
-    """Raise ValueError where a checkpoint is damaged."""
+    """Raise ValueError if a checkpoint is damaged."""
     if fault := missing_rows(home, _own_arrays(home, path)[1]):
         raise ValueError(fault)
 
@@ -93,8 +93,7 @@ def newest_first(home: RunDirectory) -> list[Path]:
 
 
 def newest(home: RunDirectory, kind: type, frames: int, note: Callable[[Path, str], None]) -> Checkpoint | None:
-    """The newest undamaged checkpoint before which all frames are on disk; others are set aside,
-    and noted.
+    """The newest undamaged checkpoint whose preceding frames are all on disk; damaged ones are renamed and logged.
 
     `kind` is the model's State; `frames` is the number of frames on disk.
     """
@@ -115,7 +114,7 @@ def _examined(home: RunDirectory, path: Path, kind: type) -> tuple[Checkpoint | 
     """The checkpoint of a file, or a description of its fault."""
     try:
         return _loaded(home, path, kind)._replace(step=int(path.stem)), ""
-    except Exception as error:  # a damaged archive may raise any exception; in each case the file is not used
+    except Exception as error:  # a damaged archive may raise any exception, and is not used in any case
         return None, f"{type(error).__name__}: {error}"
 
 
@@ -131,6 +130,6 @@ def _loaded(home: RunDirectory, path: Path, kind: type) -> Checkpoint:
 
 
 def _unknown_then(kind: type) -> dict[str, NDArray[Any]]:
-    """The defaults of fields that states of former versions lack, as copies to write to."""
+    """The defaults of fields that are missing in states of former versions, as writable copies."""
     defaults: dict[str, NDArray[Any]] = getattr(kind, "_field_defaults", {})
     return {name: array.copy() for name, array in defaults.items()}

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 
 class Difference(NamedTuple):
-    """The difference between two frames: the first quantity that differs, and the number of others."""
+    """The difference between two frames: the first quantity that differs, and the number of other such quantities."""
 
     quantity: str
     size: float

@@ -1,13 +1,13 @@
 """The constants of a run: the numbers that its model derived from the scene when the run began.
 
-Charges, tables, fits and the time step come from solvers and special functions of libraries, whose last digits
-depend on the processor and on their versions. They are kept in `constants.npz` and read back when the run is
-resumed, so that no constant changes in the middle of a run.
+Charges, tables, fits and the time step come from solvers and special functions of libraries, whose last digits depend
+on the processor and on their versions. They are stored in `constants.npz` and restored when the run is resumed, so that
+no constant changes in the middle of a run.
 
-Only numbers are read back, into parameters that were derived again from the scene: floating-point numbers and
-arrays of the same shape and type, and the number of steps per frame. Everything else (counts, indices, choices)
-must be what the scene gives, or nothing is read back at all, and the run warns. So this file can change numbers,
-and nothing else.
+Only numbers are restored, into parameters that were derived again from the scene: floating-point numbers and arrays of
+the same shape and type, and the number of steps per frame. All other values (counts, indices, choices) must be equal to
+those from the scene; otherwise nothing is restored, and the run warns. Therefore this file cannot change anything but
+numbers.
 """
 
 from __future__ import annotations
@@ -130,7 +130,7 @@ array. Other processors change last digits, and fits of them up to 3e-5; larger 
 
 
 def _is_near(stored: NDArray[Any], derived: NDArray[Any]) -> bool:
-    """Whether constants may be those of another processor: finite in the same places, and of similar size."""
+    """Whether constants may be those of another processor: finite in the same elements, and of similar size."""
     finite = np.isfinite(derived)
     if not np.array_equal(np.isfinite(stored), finite) or not np.array_equal(stored[~finite], derived[~finite], True):
         return False
@@ -155,8 +155,8 @@ def _with(tree: Any, stored: Stored, path: str) -> Any:
 
 
 def _in_layout_of(model: NDArray[Any], values: NDArray[Any]) -> NDArray[Any]:
-    """The values as an array in the memory layout of the model's: compiled code distinguishes
-    layouts as it does types.
+    """The values as an array in the memory layout of the model's array, since compiled code distinguishes layouts like
+    types.
     """
     if model.flags.c_contiguous or model.flags.f_contiguous:
         made = np.array(values, order="C" if model.flags.c_contiguous else "F")

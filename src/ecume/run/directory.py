@@ -30,7 +30,7 @@ class RunDirectory:
 
     @property
     def resolved(self) -> Path:
-        """The scene with every default filled in."""
+        """The scene with all defaults filled in."""
         return self.path / "resolved.json"
 
     @property
@@ -104,7 +104,7 @@ class RunDirectory:
         return self.path / "FAILED.json"
 
     def parts(self) -> list[Path]:
-        """All files of a run but the lock, in the order in which they are removed: the manifest last."""
+        """All files of a run except the lock, in the order in which they are removed: the manifest last."""
         contents = [self.trajectory, self.checkpoints, self.scalars, self.samples, self.log, self.status, self.watch]
         contents.append(self.sums)
         return [*contents, self.crate, self.done, self.failed, self.scene, self.resolved, self.constants, self.manifest]
@@ -125,7 +125,7 @@ def existing(path: str | os.PathLike[str]) -> RunDirectory:
 
 
 def _way_out(home: RunDirectory) -> str:
-    """A hint for a path that contains no run."""
+    """A hint for a path that does not contain a run."""
     if not home.path.is_dir():
         scene = home.path.suffix == ".toml" and home.path.is_file()
         return (
@@ -142,7 +142,9 @@ def _way_out(home: RunDirectory) -> str:
 
 
 def is_run_directory(home: RunDirectory) -> bool:
-    """Whether `ecume run` made this directory: it has a manifest, or only files that precede one, including a lock."""
+    """Whether `ecume run` created this directory: it contains a manifest, or only files that are written before it,
+    including a lock.
+    """
     if home.manifest.is_file():
         with storing(home.manifest):
             return b'"ecume"' in content_of(home.manifest, MOST_BYTES, home.path)
@@ -193,7 +195,7 @@ def clear(home: RunDirectory) -> None:
 
 
 def sweep(home: RunDirectory) -> None:
-    """Remove incomplete files of a killed process."""
+    """Remove incomplete files of a process that was killed."""
     for folder in (home.checkpoints, home.trajectory):
         for part in folder.glob("*.part"):
             with storing(part):
@@ -201,7 +203,7 @@ def sweep(home: RunDirectory) -> None:
 
 
 def manifest_of(home: RunDirectory) -> dict[str, Any]:
-    """The manifest of a run. Raises StorageError where it is damaged."""
+    """The manifest of a run. Raises StorageError if it is damaged."""
     return manifest_at(home.path)
 
 
@@ -219,7 +221,7 @@ def identity_of(home: RunDirectory) -> str:
     """
     try:
         return str(manifest_of(home).get("run", ""))
-    except StorageError:  # damaged, which is reported where it is read, or not written yet
+    except StorageError:  # damaged, which is reported when the file is read, or not written yet
         return ""
 
 

@@ -56,12 +56,11 @@ def import_run(
     force: bool = False,
     progress: Callable[[Progress], None] | None = None,
 ) -> RunResult:
-    """Make a run of the file that `[start_from]` of a scene names, with frames at intervals of
-    `frame_every`.
+    """Import the file that `[start_from]` of a scene names as a run, with frames at intervals of `frame_every`.
 
-    All frames are read into a run beside it, which takes the place of `directory` when it is complete: a run that is
-    there stays as it is until then. Raises RunExists where something is in the way, SceneError for a scene that cannot
-    start from the first frame, and BadInput for frames that do not fit.
+    All frames are read into a temporary run, which replaces `directory` when it is complete; until then an existing run
+    is unchanged. Raises RunExists if `directory` exists, SceneError for a scene that cannot start from the first frame,
+    and BadInput for frames that do not fit.
     """
     source = source_of(scene)
     raw = parsed(source)
@@ -92,7 +91,7 @@ def import_run(
 
 
 def reader_of(scene: Scene, name: str, series: Series) -> Callable[[Model], Model]:
-    """An engine that reads each frame, the first included, instead of integrating up to it."""
+    """An engine that reads every frame, including the first one, instead of integrating."""
     model, paths, before = MODELS[scene.model], Paths(name), _read(name, series, 0)
     alike = Alike(name, before, scene.frame_every)
     order: list[NDArray[np.int64]] = []
@@ -132,8 +131,8 @@ def reader_of(scene: Scene, name: str, series: Series) -> Callable[[Model], Mode
 
 
 class Alike:
-    """The properties that all frames of a file share: box, type of each particle, and interval of times, which is
-    `frame_every` (s) where the unit of times is known.
+    """The properties that are equal in all frames of a file: box, type of each particle, and interval of times, which
+    is `frame_every` (s) if the unit of times is known.
     """
 
     def __init__(self, name: str, first: Particles, frame_every: float = 0.0) -> None:
@@ -181,7 +180,7 @@ class Alike:
         self.last = now
 
     def _require_time(self, frame: int) -> None:
-        """Raise BadInput if the times of the file (s) are not those of the run."""
+        """Raise BadInput if the times in the file (s) are not those of the run."""
         if self.first is None or self.last is None:
             return
         usual = (self.last - self.first) / frame
@@ -224,9 +223,7 @@ def _read(name: str, series: Series, frame: int) -> Particles:
 
 
 def _matched(state: Any, position: Array, sides: Array, name: str) -> NDArray[np.int64]:
-    """The index in the file of each particle of the state: the particle at the same position or at a periodic image of
-    it.
-    """
+    """The index in the file of each particle of the state, found by equal positions up to periods."""
     dimensions = state.position.shape[1]
     periods = periods_of(sides[:dimensions].tolist())
     home = into_box(position[:, :dimensions], periods)

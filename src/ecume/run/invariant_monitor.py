@@ -34,7 +34,9 @@ class Verdict(NamedTuple):
 
 
 class Watch:
-    """The monitor of a run's invariants. It starts with the frames on disk, so that a resumed run includes them."""
+    """The monitor of the invariants of a run. It starts with the frames on disk, so that a resumed run includes
+    them.
+    """
 
     def __init__(self, home: RunDirectory, invariants: Sequence[Invariant], policy: str) -> None:
         self._home, self._invariants, self._policy = home, list(invariants), policy
@@ -48,8 +50,8 @@ class Watch:
     def take(
         self, time: float, numbers: Mapping[str, float], step: int, units: Mapping[str, str] | None = None
     ) -> list[Verdict]:
-        """Check a frame; return the invariants that it is the first to violate. Raises Diverged if
-        the run is to stop.
+        """Check a frame; return the invariants that are violated for the first time. Raises Diverged if this stops the
+        run.
         """
         self._unit = (units or {}).get("total_energy", self._unit)
         before = {one.name for one in self.verdicts() if not one.held}
@@ -90,10 +92,10 @@ class Watch:
 
 
 def budget(first: Numbers, now: Numbers, *, closed: bool) -> dict[str, float | None]:
-    """The energy budget (J; in 2D tanks J/m). Injected and initial energy that is no longer present was dissipated,
-    unless the energy budget includes that, too.
+    """The energy budget (J; in 2D tanks J/m). Initial and injected energy that is no longer present was dissipated,
+    unless the energy budget already includes dissipation.
 
-    If a driven system has no energy budget, injected less dissipated is known, and neither alone.
+    If a driven system has no energy budget, only the difference of injected and dissipated energy is known.
     """
     change = now["total_energy"] - first["total_energy"]
     injected = now.get(INJECTED, 0.0) - first.get(INJECTED, 0.0)
@@ -109,7 +111,9 @@ def sentence(one: Verdict) -> str:
 
 
 def summary_line(home: RunDirectory) -> str:
-    """A line with the invariants that held and the injected work; empty for a run without records of them."""
+    """A line with the invariants that were satisfied, and the injected work; empty for a run without records of
+    invariants.
+    """
     if not home.watch.exists():
         return ""
     kept = read(home, home.watch, WATCH)

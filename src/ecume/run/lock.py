@@ -1,5 +1,5 @@
-"""Locks and signals of a run: one writer per directory; on request it completes its current steps, writes a checkpoint
-and ends.
+"""Locks and signals of a run: one writer per directory, which on request completes its current steps, writes a
+checkpoint and ends.
 """
 
 from __future__ import annotations
@@ -30,8 +30,8 @@ MOST_BYTES = 2**16
 
 @contextlib.contextmanager
 def held(home: RunDirectory, *, quietly: bool = False) -> Iterator[None]:
-    """Hold the lock of a run directory; raise RunExists if another process does. The operating system releases it
-    however the process ends.
+    """Hold the lock of a run directory; raise RunExists if another process holds it. The operating system releases the
+    lock when the process ends in any way.
 
     `quietly` does not write the name of this process into the lock.
     """
@@ -55,15 +55,15 @@ def _take(home: RunDirectory, file: FileIO, *, quietly: bool) -> None:
 
 
 def owner(home: RunDirectory) -> dict[str, Any] | None:
-    """The process that locked the directory last, whether or not it still lives."""
+    """The process that locked the directory last, whether or not it is still running."""
     try:
         return read_owner(home)
-    except (OSError, ValueError):  # Windows does not let others read a locked file; or the writer died
+    except (OSError, ValueError):  # Windows does not allow others to read a locked file; or the writer was killed
         return None
 
 
 def read_owner(home: RunDirectory) -> dict[str, Any] | None:
-    """The process that locked the directory last; None before a process has written its name. Raises ValueError if the
+    """The process that locked the directory last; None if no process has written its name. Raises ValueError if the
     file is damaged, and OSError if it cannot be read.
     """
     content = content_of(home.lock, MOST_BYTES, home.path)
@@ -88,8 +88,8 @@ def require_free(home: RunDirectory) -> None:
 
 
 def put_in_place(complete: RunDirectory, home: RunDirectory, *, force: bool) -> None:
-    """Move a complete run from a neighboring directory to its final place, the manifest last; `force` replaces a former
-    run.
+    """Move a complete run from a neighboring directory to its final position, the manifest last; with `force` it
+    replaces an existing run.
     """
     with storing(home.path):
         home.path.mkdir(parents=True, exist_ok=True)
@@ -103,10 +103,10 @@ def put_in_place(complete: RunDirectory, home: RunDirectory, *, force: bool) -> 
 
 
 def stop(home: RunDirectory) -> bool:
-    """Request the process that writes the run to write a checkpoint and end; return False without
-    such a process.
+    """Request that the process that writes the run write a checkpoint and end; return False if there is no such
+    process.
 
-    The lock may name any process. Only one that has the lock open while it is held gets a signal.
+    The name in the lock may be outdated. A signal is sent only to a process that has the lock open while it is held.
     """
     process = owner(home)
     if process is None or process["host"] != clean(socket.gethostname()) or not _has_open(process, home):
@@ -123,7 +123,7 @@ def is_held(home: RunDirectory) -> bool:
     """Whether a process holds the lock of the run. If a process on another machine locked it last,
     this is assumed.
 
-    The lock itself decides: a process may have the number of one that ended, and clocks may be set.
+    Only the lock itself is reliable: process numbers are reused, and clocks may be changed.
     """
     process = owner(home)
     if process is not None and process["host"] != clean(socket.gethostname()):
@@ -138,10 +138,10 @@ def is_held(home: RunDirectory) -> bool:
 
 
 def _has_open(process: dict[str, Any], home: RunDirectory) -> bool:
-    """Whether a process of this machine runs and has the lock open, as far as the operating system reports it."""
+    """Whether a process of this machine is running and has the lock open, as far as the operating system reports it."""
     try:
         found = psutil.Process(process["pid"])
-        if os.name == "nt":  # where open files are not listed reliably
+        if os.name == "nt":  # on Windows open files are not listed reliably
             return bool(abs(found.create_time() - process["began"]) < 2.0)
         lock = home.lock.stat()
         return any(
@@ -173,7 +173,7 @@ Ctrl-C while laws are compiled has nothing to lose.
 
 
 def ask_to_stop(process: int) -> None:
-    """Request the process of a run, which may be this one, to write a checkpoint and end."""
+    """Request that the process of a run, which may be this one, write a checkpoint and end."""
     os.kill(process, signal.SIGTERM)
 
 
@@ -200,8 +200,8 @@ class StopRequest:
 
 @contextlib.contextmanager
 def handled(handler: Handler, signals: Sequence[signal.Signals] = SIGNALS) -> Iterator[None]:
-    """Handle signals inside this block, and restore the handlers after it. Only the main thread can; other threads
-    change nothing.
+    """Handle signals inside this block, and restore the handlers after it. Only the main thread can do this; in other
+    threads nothing changes.
     """
     if threading.current_thread() is not threading.main_thread():
         yield

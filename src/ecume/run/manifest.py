@@ -37,7 +37,7 @@ def now() -> str:
 
 
 def circumstances() -> dict[str, Any]:
-    """The versions and properties of the machine that can change a bit of a result."""
+    """The versions, and the properties of the machine, that can change bits of a result."""
     return {
         "ecume": __version__,
         "python": platform.python_version(),
@@ -50,7 +50,7 @@ def circumstances() -> dict[str, Any]:
 
 
 def first_manifest(scene: Scene, source: bytes, plain: str) -> dict[str, Any]:
-    """The manifest of a run before it begins; `source` is its scene file, and `plain` its resolved scene."""
+    """The manifest of a run that has not started; `source` is its scene file, and `plain` its resolved scene."""
     return {
         "format": FORMAT,
         **circumstances(),
@@ -80,7 +80,7 @@ def flow_digest(name: str) -> str:
 
 
 def _flow_files(path: Path) -> Sequence[Path]:
-    """The files that determine the velocities: of a run its end, or the frames that it has so far."""
+    """The files that determine the velocities: for a run the file that marks its end, or else its present frames."""
     if not path.is_dir():
         return [path]
     done, frames = path / "DONE.json", path / "traj"
@@ -118,8 +118,8 @@ def open_session(home: RunDirectory, threads: int, step: int, frames: int) -> No
 def circumstances_of_frame(home: RunDirectory, frame: int) -> dict[str, Any]:
     """The versions and the processor with which a frame on disk was computed.
 
-    Each session states the first frame that it wrote itself; the last session that starts at or before a frame is the
-    one that wrote it. The present session has written none of the frames that it finds on disk.
+    Each session records the first frame that it wrote. A frame was written by the last session whose first frame is not
+    after it. The present session has not written the frames that it finds on disk.
     """
     manifest = manifest_of(home)
     for session in reversed(manifest.get("sessions", [])[:-1]):
@@ -131,7 +131,7 @@ def circumstances_of_frame(home: RunDirectory, frame: int) -> dict[str, Any]:
 
 
 def record(home: RunDirectory, **facts: Any) -> None:
-    """Record facts about the present session: the `first_frame` that it writes itself, which frames it `replaced`."""
+    """Record facts about the present session: the `first_frame` that it writes, and the frames that it `replaced`."""
     manifest = manifest_of(home)
     manifest["sessions"][-1] |= facts
     write(home, home.manifest, manifest)
@@ -146,7 +146,7 @@ def close_session(home: RunDirectory, outcome: str, step: int, seconds: float) -
 
 
 def digests(home: RunDirectory) -> dict[str, str]:
-    """The SHA-256 of each file that will not change any more."""
+    """The SHA-256 of each file that will not change again."""
     from concurrent.futures import ThreadPoolExecutor  # slow to import, and not needed by `ecume info`
 
     folders = (home.trajectory, home.checkpoints)
@@ -161,7 +161,8 @@ def digests(home: RunDirectory) -> dict[str, str]:
         *(path for folder in folders for path in folder.glob("*")),
     ]
     files = [path for path in sorted(files) if path.is_file()]
-    with ThreadPoolExecutor(os.cpu_count()) as pool:  # a disk is faster than one processor computes digests
+    # A disk is faster than the computation of digests by one processor.
+    with ThreadPoolExecutor(os.cpu_count()) as pool:
         found = pool.map(functools.partial(digest, home), files)
         return {path.relative_to(home.path).as_posix(): one for path, one in zip(files, found, strict=True)}
 
@@ -180,10 +181,9 @@ def _version(program: str) -> str | None:
 
 
 def _processor() -> str:
-    """The name, family and model of the processor, on Linux from files that the platform module
-    ignores.
+    """The name, family and model of the processor; on Linux they are read from files that the platform module ignores.
 
-    Virtual machines call processors of several generations by one name, so the name alone is not enough.
+    Virtual machines use one name for processors of several generations, so that the name alone is not sufficient.
     """
     try:
         lines = Path("/proc/cpuinfo").read_text().splitlines()

@@ -47,7 +47,7 @@ class Progress(NamedTuple):
 
 
 class Pace:
-    """The speed of the integration since the first steps of this process, without compilation."""
+    """The speed of the integration since the first steps of this process, without compilation times."""
 
     def __init__(self, duration: float) -> None:
         self._duration = duration
@@ -79,7 +79,7 @@ class Pace:
 
 
 class StatusFile:
-    """The file `status.json`, replaced as a whole, at most once a second except for the last state."""
+    """The file `status.json`, which is replaced as a whole, at most once per second except for the last state."""
 
     def __init__(self, home: RunDirectory) -> None:
         self._home, self._written = home, -STATUS_EVERY
@@ -94,7 +94,8 @@ class StatusFile:
         report = {"state": state, **progress._asdict(), "last_checkpoint": self.last_checkpoint, "at": now()}
         try:
             write(self._home, self._home.status, report, settled=False)
-        except StorageError as error:  # on Windows, while another process reads it: it is written again within a second
+        # On Windows, while another process reads the file; it is written again within a second.
+        except StorageError as error:
             if os.name != "nt" or not isinstance(error.__cause__, PermissionError):
                 raise
 
@@ -108,7 +109,7 @@ def note(home: RunDirectory, event: str, **details: Any) -> None:
 
 
 def _cleaned(value: Any) -> Any:
-    """The details of an event, which may quote a damaged file, without characters that could have an effect."""
+    """The details of an event without control characters, since they may quote a damaged file."""
     if isinstance(value, list | tuple):
         return [_cleaned(each) for each in value]
     return clean(value) if isinstance(value, str) else value

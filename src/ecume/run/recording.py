@@ -29,8 +29,8 @@ class Recording:
     """The open trajectory and the open table of numbers of a run; `frames` is the number of frames
     recorded so far.
 
-    `strict` refuses frames that differ from those on disk, whatever the reason. Without `repeats` frames that are
-    computed again have other bits, and replace those on disk.
+    With `strict`, frames that differ from those on disk are always refused. Without `repeats`, frames that are computed
+    again may have other bits, and replace those on disk.
     """
 
     def __init__(
@@ -61,13 +61,13 @@ class Recording:
 
     @property
     def on_disk(self) -> int:
-        """The number of frames in the trajectory: more than `frames` if a killed run had continued after its last
-        checkpoint.
+        """The number of frames in the trajectory, which is larger than `frames` if a killed run had continued after its
+        last checkpoint.
         """
         return self._recorder.frames
 
     def take(self, frame: Frame, step: int) -> None:
-        """Record a frame: compare it with that on disk if it exists, write it otherwise."""
+        """Record a frame: compare it with that on disk if it exists, otherwise write it."""
         frame = self._selection.of(frame)
         if self.frames < self._recorder.frames:
             self._compare(frame)
@@ -96,7 +96,7 @@ class Recording:
             return
         try:
             former = self._former[self.frames]
-        except StorageError as error:  # damaged, so there is nothing to compare with
+        except StorageError as error:  # the frame on disk is damaged and cannot be compared
             note(self._home, "frames are written again", first=self.frames, why=str(error))
             self._cut()
             return
@@ -126,7 +126,7 @@ class Recording:
         warnings.warn(f"{where} in {found} ({'; '.join(changes)}); it and later ones are replaced", stacklevel=1)
 
     def _cut(self) -> None:
-        """Remove the frames on disk from this one on: the present session writes them again."""
+        """Remove the frames on disk from this one on, which the present session writes again."""
         self._former.close()
         self._recorder.cut(self.frames)
         record(self._home, first_frame=self.frames)

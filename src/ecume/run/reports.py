@@ -1,4 +1,4 @@
-"""Information about runs from outside: one run, all runs in a folder, and two runs compared."""
+"""Reports on runs: on one run, on all runs in a folder, and on the differences of two runs."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ class RunSummary(NamedTuple):
 
 
 def list_runs(folder: str | os.PathLike[str] = ".") -> list[RunSummary]:
-    """All runs in a folder and its subfolders, including those of sweeps, by their paths. Links are not followed."""
+    """All runs in a folder and its subfolders, including those of sweeps, sorted by path. Links are not followed."""
     if not Path(folder).is_dir():
         raise BadInput(f"{folder}: got no folder; expected one that contains runs")
     return [_summary(path) for path in _runs_below(Path(folder))]
@@ -52,7 +52,7 @@ def list_runs(folder: str | os.PathLike[str] = ".") -> list[RunSummary]:
 def _runs_below(folder: Path) -> Iterator[Path]:
     for root, folders, files in os.walk(folder):
         if "manifest.json" in files and ("resolved.json" in files or "traj" in folders):
-            folders.clear()  # runs do not contain further runs
+            folders.clear()  # runs do not contain other runs
             yield Path(root)
         folders.sort()
 
@@ -113,7 +113,7 @@ class Info(NamedTuple):
 
 
 def info(directory: str | os.PathLike[str]) -> Info:
-    """Information about a run; also while it is written, and after it was killed."""
+    """Information about a run, also while it is written, and after it was killed."""
     home = existing(directory)
     unsaid: dict[str, Any] = {}
     status, no_status = _read(lambda: _status(home), unsaid, home)
@@ -148,7 +148,7 @@ def repair(directory: str | os.PathLike[str]) -> Repaired:
 
 
 def _read(what: Callable[[], T], otherwise: T, home: RunDirectory) -> tuple[T, str]:
-    """A part of the run's records; if that part is damaged, a default and the reason."""
+    """A part of the records of a run; if this part is damaged, a default and the reason."""
     try:
         return what(), ""
     except StorageError as error:
@@ -346,7 +346,7 @@ PURE = ("", "1")
 
 
 def _scales_of_units(scales: Mapping[str, float], units: Mapping[str, str]) -> dict[str, float]:
-    """The largest value of all quantities of one unit; not of pure numbers."""
+    """The largest value of all quantities with the same unit; dimensionless numbers are not combined."""
     found: dict[str, float] = {}
     for name, scale in scales.items():
         if (unit := units.get(name, "")) not in PURE:
@@ -355,7 +355,7 @@ def _scales_of_units(scales: Mapping[str, float], units: Mapping[str, str]) -> d
 
 
 def _unlike(one: NDArray[Any] | None, other: NDArray[Any] | None) -> str:
-    """What keeps two arrays from being subtracted; empty if they can be."""
+    """The reason why two arrays cannot be subtracted; empty if they can."""
     if one is None or other is None:
         return f"only in the {'second' if one is None else 'first'} run"
     if one.shape[:1] != other.shape[:1]:

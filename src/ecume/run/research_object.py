@@ -70,7 +70,7 @@ UNKNOWN = Attribution()
 
 
 def write_crate(directory: str | os.PathLike[str], attribution: Attribution = UNKNOWN) -> Path:
-    """Write the metadata of a run into its directory, which then is a crate. Raises RunExists while the run is
+    """Write the metadata of a run into its directory, which then is a crate. Raises RunExists while the run is being
     computed, since its files still change.
     """
     home = existing(directory)
@@ -95,7 +95,7 @@ def metadata(home: RunDirectory, attribution: Attribution = UNKNOWN) -> Entity:
 
 
 def crate_files(home: RunDirectory) -> list[Path]:
-    """The files of a run that are part of a crate: all but locks, states and incomplete files."""
+    """The files of a run that are part of a crate: all except locks, states and incomplete files."""
     hidden = {home.lock, home.status, home.crate}
     found = [path for path in home.path.rglob("*") if path.is_file() and not path.is_symlink()]
     kept = [path for path in found if path not in hidden and home.checkpoints not in path.parents]

@@ -136,17 +136,17 @@ def run(
     force: bool = False,
     options: RunOptions = USUAL,
 ) -> RunResult:
-    """Simulate a scene into a new directory, with the user's laws and actions if there are any, as `simulate` does.
+    """Simulate a scene into a new directory, with user laws and actions if there are any, as `simulate` does.
 
-    Raises RunExists where something is in the way (`force` replaces a run, and nothing but a run), Diverged,
-    StorageError, and Stopped after a signal: then a checkpoint exists, and `resume` continues.
+    Raises RunExists if the directory exists (`force` replaces a run, but nothing else), Diverged, StorageError, and
+    Stopped after a signal; `resume` then continues from a checkpoint.
     """
     home = RunDirectory(Path(directory))
     refuse_existing(home, force=force)
     code = UserCode(extra_laws, actions)
     with stop_requests(PATIENT) as request:
         moments = _moments(scene, Checkpoint(None, 0), code, options, None)
-        first = next(moments)  # a scene that cannot be run is refused before anything is written
+        first = next(moments)  # a scene that cannot be run is refused before any file is written
         if first.frame is not None:
             require_known(scene, first.frame)
             require_numbers(options.numbers, first.frame)
@@ -226,7 +226,9 @@ def _completed(home: RunDirectory) -> RunResult | None:
 
 
 def _reopen(home: RunDirectory) -> None:
-    """Remove the markers of a run that ended. They contain its digests, and are kept until nothing refuses it."""
+    """Remove the markers of a run that ended. They contain its digests, and are needed until the run is accepted for
+    resuming.
+    """
     for marker in (home.done, home.failed):
         with storing(marker):
             marker.unlink(missing_ok=True)
@@ -308,7 +310,7 @@ def _checkpoint(home: RunDirectory, scene: Scene) -> Checkpoint:
 
 
 def _frames_on_disk(home: RunDirectory) -> int:
-    """The number of frames before the first missing or damaged one, all of which were read; a trajectory that cannot be
+    """The number of frames before the first missing or damaged one, after reading them all; a trajectory that cannot be
     opened is repaired first.
     """
     try:
@@ -326,7 +328,7 @@ def _drive(session: _Session, moments: Iterable[Moment], request: StopRequest) -
             session.follow(moments, request)
         session.succeed()
     except BaseException as error:
-        with contextlib.suppress(StorageError):  # on a full disk this fails, too
+        with contextlib.suppress(StorageError):  # this also fails on a full disk
             session.fail(error)
         raise
     at = session.at

@@ -34,8 +34,8 @@ NOTHING: Kept = {}
 
 
 class Block:
-    """The average of samples that are added one after the other (Welford's algorithm): mean, minimum, maximum and
-    standard error, without storing the samples.
+    """The running average of samples (Welford's algorithm): mean, minimum, maximum and standard error, without storing
+    the samples.
 
     >>> block = Block(1)
     >>> for time in range(4):
@@ -65,7 +65,9 @@ class Block:
         self.largest = values if first else np.maximum(self.largest, values)
 
     def cells(self) -> list[float]:
-        """The mean time, the number of samples, and the mean, minimum, maximum and standard error of each number."""
+        """The mean time and the number of samples, followed by mean, minimum, maximum and standard error of each
+        number.
+        """
         with np.errstate(invalid="ignore"):
             variance = self.squares / (self.count - 1) if self.count > 1 else np.full(len(self.mean), math.nan)
             error = np.sqrt(variance / self.count)
@@ -91,7 +93,7 @@ class SampleFile:
         self._size = int(kept["bytes"][0]) if kept else 0
         self._names: list[str] = []
         self._pending: list[str] = []
-        self._sums = SumFile(path.with_name(SUMS), self._size, run) if run else None  # before the samples
+        self._sums = SumFile(path.with_name(SUMS), self._size, run) if run else None  # created before the samples
         with storing(path):
             self._file = opened(path, "a+", path.parent)
             self._file.truncate(self._size)
@@ -133,7 +135,7 @@ class SampleFile:
                 left = left[written:]
 
     def show(self) -> None:
-        """Write complete rows and their checksum, which makes them visible to readers."""
+        """Write complete rows and their checksum, after which readers can see them."""
         self.flush()
         if self._sums is not None:
             self._sums.add(self._size, self._crc)
@@ -201,7 +203,7 @@ LARGEST_COUNT = 2.0**53
 
 
 def misfit(kept: Kept) -> str:
-    """The reason why arrays are not the position of a sampling; empty if they are."""
+    """The reason why arrays are not a valid position of a sampling; empty if they are."""
     names = {*SINGLE[:3], "count", "block_time", *BLOCK} if "count" in kept else set(SINGLE[:3])
     if kept.keys() | {"crc"} != names:
         return "its samples have other parts than a run writes"

@@ -47,11 +47,11 @@ class Condition(NamedTuple):
     stationary: bool
 
     def met(self, values: list[float]) -> bool:
-        """Whether the values of all frames so far meet it. A number crosses a bound from one frame to the next: floats
-        that start at rest have not come to rest. A series is stationary if its transient, as `steady_state` detects it,
-        is its first third at most, and both halves of the rest agree within three standard errors. One that still has
-        its first value has not begun to change. It is tested at `FEWEST` frames, and then whenever their number has
-        grown by a tenth.
+        """Whether the values of all frames so far meet it. A number crosses a bound from one frame to the next, so that
+        floats at rest at the start do not meet a condition of rest. A series is stationary if its transient, detected
+        by `steady_state`, is at most its first third, and both halves of the remainder agree within three standard
+        errors. A series still at its first value has not begun to change, and is not stationary. It is tested at
+        `FEWEST` frames, and then whenever their number has grown by a tenth.
 
         >>> read_condition("top > 2").met([1.0, 3.0]), read_condition("top < 2").met([1.0])
         (True, False)
@@ -69,7 +69,7 @@ class Condition(NamedTuple):
 
 
 def _tested(frames: int) -> bool:
-    """Whether a series of so many frames is tested.
+    """Whether a series with this number of frames is tested.
 
     >>> [frames for frames in range(80) if _tested(frames)]
     [50, 55, 61, 68, 75]
@@ -103,7 +103,7 @@ class Awaited:
         self.condition, self._values = condition, list(values)
 
     def take(self, frame: Frame) -> bool:
-        """Add a frame, and tell whether the condition is met now."""
+        """Add a frame; return whether the condition is now met."""
         self._values.append(frame.numbers[self.condition.number])
         return self.condition.met(self._values)
 
@@ -118,7 +118,7 @@ def require_awaited(text: str, frame: Frame) -> None:
 
 
 def awaited(text: str, home: RunDirectory, frames: int) -> Awaited | None:
-    """The condition of a run with so many frames, which are read for it; None without a condition."""
+    """The condition of a run, after reading the numbers of its first `frames` frames; None without a condition."""
     if not text:
         return None
     condition = read_condition(text)

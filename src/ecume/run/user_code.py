@@ -1,4 +1,4 @@
-"""The user's laws and actions of a run: reading them from files, and identifying them by name and digest.
+"""User laws and actions of a run: reading them from files, and identifying them by name and digest.
 
 A run directory contains no code and no path. It contains names and digests, so that a run continues only with the code
 that it was started with: the user gives the file on each command.
@@ -34,7 +34,7 @@ parameters)
 
 
 class UserCode(NamedTuple):
-    """The user's functions that a run calls."""
+    """The user functions that a run calls."""
 
     laws: Sequence[Law] = ()
     actions: Sequence[Action] = ()
@@ -104,7 +104,7 @@ class TextLoader(SourceFileLoader):
     """A loader that compiles a file from its text, and writes no bytecode.
 
     Python trusts bytecode if size and time of the text, in whole seconds, are those of its compilation. An edit may
-    change neither, and then a former law would run.
+    change neither, and Python would then run the former law.
     """
 
     def path_stats(self, path: str) -> NoReturn:
@@ -113,7 +113,7 @@ class TextLoader(SourceFileLoader):
 
 
 def _executed(option: str, path: Path) -> ModuleType:
-    """The module that a file of the user's defines."""
+    """The module that a user file defines."""
     if not path.is_file():
         raise BadInput(f"{option}: {path} does not exist")
     name = f"ecume_user_code_{path.stem}"
@@ -123,7 +123,7 @@ def _executed(option: str, path: Path) -> ModuleType:
     sys.modules[module.__name__] = module
     try:
         spec.loader.exec_module(module)
-    except Exception as error:  # a user's file may raise anything
+    except Exception as error:  # a user file may raise any exception
         here = [frame.lineno for frame in traceback.extract_tb(error.__traceback__) if frame.filename == str(path)]
         line = error.lineno if isinstance(error, SyntaxError) else here[-1] if here else None
         where = f"{path}, line {line}" if line else str(path)
@@ -132,7 +132,7 @@ def _executed(option: str, path: Path) -> ModuleType:
 
 
 def entries(functions: Sequence[Any]) -> list[dict[str, Any]]:
-    """The names and digests of functions, and the names of the objects they use that no digest covers."""
+    """The names and digests of functions, and the names of objects that they use and that no digest covers."""
     return [_entry(one) for one in functions]
 
 
@@ -160,8 +160,8 @@ unknown.
 
 
 def _further(function: FunctionType, path: str, seen: set[int], *, known: bool) -> Contents:
-    """The objects that a function uses besides the numbers and functions of `_texts` (in `known`): arrays, lists,
-    tables, and attributes of modules.
+    """The objects that a function uses in addition to the numbers and functions of `_texts` (in `known`): arrays,
+    lists, tables, and attributes of modules.
     """
     if id(function) in seen:
         return
@@ -169,7 +169,7 @@ def _further(function: FunctionType, path: str, seen: set[int], *, known: bool) 
     names = _names(function.__code__)
     cells = zip(function.__code__.co_freevars, function.__closure__ or (), strict=True)
     used = {name: function.__globals__[name] for name in names if name in function.__globals__}
-    with contextlib.suppress(ValueError):  # the variable of a closure without a value yet
+    with contextlib.suppress(ValueError):  # a variable of a closure that has no value yet
         used |= {name: cell.cell_contents for name, cell in cells}
     outside = inspect.getclosurevars(function)
     found = {**outside.globals, **outside.nonlocals} if known else {}
@@ -244,7 +244,7 @@ INSTALLED = ("site-packages", "dist-packages")
 
 
 def _is_installed(value: Any) -> bool:
-    """Whether something belongs to Python, to ecume or to an installed package, whose versions a run records."""
+    """Whether an object belongs to Python, to ecume or to an installed package, whose versions a run records."""
     if isinstance(value, ModuleType):
         name = value.__name__
     elif isinstance(value, (type, FunctionType, BuiltinFunctionType, np.ufunc)):
@@ -285,7 +285,7 @@ def require_same(home: RunDirectory, code: UserCode) -> None:
 
 
 def warn_of_uncovered(given: Mapping[str, Sequence[Mapping[str, Any]]]) -> None:
-    """Warn of objects without a digest that functions use: their changes are not noticed when the run is resumed."""
+    """Warn of objects without a digest that functions use, whose changes are not detected when the run is resumed."""
     for one in (one for each in given.values() for one in each if "uncovered" in one):
         names = ", ".join(one["uncovered"])
         warnings.warn(f"{one['name']} uses {names}, whose changes are not noticed when a run is resumed", stacklevel=2)
@@ -304,7 +304,7 @@ def _command(home: RunDirectory, names: Mapping[str, Sequence[str]]) -> str:
 
 
 def _texts(law: Any, seen: set[int]) -> list[str]:
-    """The text of a function, of the numbers from outside that it uses, and of the functions that it calls."""
+    """The text of a function, of the global numbers that it uses, and of the functions that it calls."""
     function = _plain_function(law)
     if not isinstance(function, FunctionType) or id(function) in seen:
         return []
@@ -317,7 +317,7 @@ def _texts(law: Any, seen: set[int]) -> list[str]:
 
 
 def _text(function: FunctionType) -> str:
-    """The source of a function; for one that was typed into a prompt, its bytecode."""
+    """The source of a function; for a function typed at a prompt, its bytecode."""
     try:
         return inspect.getsource(function)
     except OSError:

@@ -1,5 +1,4 @@
-"""Verification of a run, which compares each byte of its files with checksums or names the fault;
-and recovery.
+"""Verification of a run, which compares every file with checksums and reports faults; and repair.
 
 A completed run is compared with the digests in `DONE.json`. Of any other run, records, lines, checkpoints and frames
 are compared with their own checksums. `deep` computes all frames again and compares bits.
@@ -60,8 +59,8 @@ if TYPE_CHECKING:
 
 
 def repaired(home: RunDirectory) -> Repaired:
-    """The result of a repair: whole frames are kept, each damaged one is named; other damaged files are made again or
-    set aside.
+    """The result of a repair: complete frames remain, each damaged one is listed; other damaged files are restored or
+    renamed.
     """
     beside = [*_resolved(home), *_scene_file(home), *_constants_file(home), *_repeated_files(home)]
     beside += set_foreign_aside(home.trajectory, identity_of(home))
@@ -84,7 +83,7 @@ def _resolved(home: RunDirectory) -> Iterator[str]:
 
 
 def _scene_file(home: RunDirectory) -> Iterator[str]:
-    """Write a damaged scene file again from the resolved scene. Yields a description of each repair."""
+    """Restore a damaged scene file from the resolved scene. Yields a description of each repair."""
     from ecume.scenes.schema import from_plain
     from ecume.scenes.writing import to_toml
 
@@ -95,7 +94,7 @@ def _scene_file(home: RunDirectory) -> Iterator[str]:
         manifest = manifest_of(home)
     try:
         content = to_toml(from_plain(scene_at(home.path, manifest))).encode()
-    except EcumeError:  # it is damaged, too, and reported separately
+    except EcumeError:  # it is damaged as well, and is reported separately
         return
     if home.scene.exists():
         set_aside(home, home.scene)
@@ -164,11 +163,11 @@ def verify(
     actions: Sequence[Action] = (),
     progress: Callable[[int, int], None] | None = None,
 ) -> Verification:
-    """Check all digests and checksums of a run; nothing is written.
+    """Check all digests and checksums of a run, without writing anything.
 
-    `deep` also computes all frames again from the beginning and compares them bit for bit; a run with user
-    laws or actions then needs the same `extra_laws` and `actions`, and `progress` gets how many frames of how many have
-    been compared. Raises RunExists while a process writes the run.
+    `deep` also computes all frames again from the beginning and compares them bit for bit; a run with user laws or
+    actions then requires the same `extra_laws` and `actions`. The arguments of `progress` are the number of compared
+    frames and the total. Raises RunExists while a process writes the run.
     """
     home = existing(directory)
     lock.require_free(home)
@@ -203,7 +202,7 @@ def engine_of(home: RunDirectory) -> str:
 
 
 def require_engine(home: RunDirectory, engine: Engine | None) -> None:
-    """Raise BadInput for another engine than that of the run: its states have other time steps."""
+    """Raise BadInput if the engine is not that of the run, since the time steps of its states differ."""
     got, expected = LOCAL if engine is None else engine.name, engine_of(home)
     if got != expected:
         raise BadInput(f"{home.path}: got --engine {got}; expected {expected}, with which the run was started")
@@ -219,7 +218,7 @@ def require_computed(home: RunDirectory) -> None:
 
 
 def _compared(home: RunDirectory) -> tuple[frozenset[str], list[str]]:
-    """The files of frames that equal those of the completed run, and the files that do not."""
+    """The files of frames that are equal to those of the completed run, and the files that are not."""
     record = next((path for path in (home.done, home.failed) if path.exists()), None)
     if record is None:
         return frozenset(), []
@@ -239,7 +238,7 @@ def _compared(home: RunDirectory) -> tuple[frozenset[str], list[str]]:
 
 
 def _beside(home: RunDirectory) -> list[str]:
-    """The faults of the files that are not frames."""
+    """The faults of all files except frames."""
     checks: list[Callable[[], object]] = [
         lambda: resolved_at(home.path, manifest_of(home)),
         lambda: constants.require_sound_constants(home),
@@ -268,7 +267,7 @@ def _fault(check: Callable[[], object]) -> str:
 
 
 def require_source(home: RunDirectory) -> None:
-    """Raise StorageError where the scene's file is not the one that the run began with."""
+    """Raise StorageError if the scene file is not that with which the run started."""
     expected = manifest_of(home).get("source_sha256")
     if expected is not None and (not home.scene.exists() or digest(home, home.scene) != expected):
         raise StorageError(
@@ -278,7 +277,7 @@ def require_source(home: RunDirectory) -> None:
 
 
 def require_flow_file(home: RunDirectory, scene: Any) -> None:
-    """Raise BadInput where the file with the velocities of the liquid is not the one that the run began with."""
+    """Raise BadInput if the file with the velocities of the liquid is not that with which the run started."""
     expected = manifest_of(home).get(FLOW_FILE)
     if expected is not None and flow_file(scene).get(FLOW_FILE) != expected:
         raise BadInput(
@@ -304,7 +303,9 @@ def _samples(home: RunDirectory) -> None:
 
 
 def unchecked(home: RunDirectory) -> int:
-    """The number of bytes of samples after the last row with a checksum; 0 if they are damaged, which is a fault."""
+    """The number of bytes of samples after the last row with a checksum; 0 if the samples are damaged, which is
+    reported as a fault.
+    """
     try:
         return home.samples.stat().st_size - len(rows_of(home.samples, identity_of(home)))
     except StorageError:
@@ -320,13 +321,13 @@ def _crate(home: RunDirectory) -> None:
 
 
 def _nothing(value: object, path: str) -> None:
-    """Raise ValueError: there is no such key."""
+    """Raise ValueError for a key that does not exist."""
     raise ValueError(f"{path}: is no key of such a file")
 
 
 def _require_all(home: RunDirectory) -> None:
-    """Raise StorageError if a file is missing: one that exists before the first checkpoint, or one
-    of a complete run.
+    """Raise StorageError if a file is missing: one that exists before the first checkpoint, or a file of a complete
+    run.
     """
     if not identity_of(home):
         return
@@ -356,14 +357,14 @@ def _checkpoint(home: RunDirectory, path: Path) -> None:
 
 
 def _numbers(home: RunDirectory, good: int, frames: int) -> list[str]:
-    """The faults of the table of numbers: its own checksums, and differences from the numbers of undamaged frames."""
+    """The faults of the table of numbers: damaged checksums, and differences from the numbers in undamaged frames."""
     try:
         rows = list(lines_of(home))
     except StorageError as error:
         return [str(error)]
     if len(rows) > frames:
         return [f"{home.trajectory}: {len(rows) - frames} frames are missing; {home.scalars.name} has their numbers"]
-    if identity_of(home) and len(rows) < frames - (not home.done.exists()):  # a process killed between both
+    if identity_of(home) and len(rows) < frames - (not home.done.exists()):  # a process killed between writing the two
         return [f"{home.scalars}: damaged: has {len(rows)} lines; expected {frames}"]
     if good < frames or not rows:
         return []
@@ -391,7 +392,7 @@ def _remarks(home: RunDirectory) -> Iterator[str]:
 def _recomputed(
     home: RunDirectory, code: UserCode, progress: Callable[[int, int], None] | None
 ) -> tuple[int, list[str]]:
-    """The number of frames computed again, and the first that differs."""
+    """The number of frames that were computed again, and the first one that differs."""
     from ecume.models import MODELS
     from ecume.scenes.schema import from_plain
     from ecume.simulation import moments

@@ -1,6 +1,6 @@
 """The parts that the scenes of all models share, with what a run writes (`[output]`) and the names of user laws.
 
-Its dataclasses are validated by pydantic, with the messages of scene files when they are made in Python.
+The dataclasses are validated by pydantic; in Python they have the same messages as in scene files.
 """
 
 from __future__ import annotations
@@ -114,7 +114,7 @@ class SamplesSpec:
         return self
 
     def faults(self, duration: float) -> Complaints:
-        """The faults of intervals that do not fit the duration of a run (s)."""
+        """The faults of sampling intervals that are not compatible with the duration of a run (s)."""
         if self.every is None:
             return []
         if self.every > duration * (1.0 + 1e-9):
@@ -180,12 +180,12 @@ class Kind(NamedTuple):
     color: str | None
 
 
-# Okabe and Ito's colors, in an order that also differs in brightness from one to the next.
+# The colors of Okabe and Ito, in an order in which consecutive colors also differ in brightness.
 PALETTE = ("#d55e00", "#0072b2", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#f0e442", "#5b6670")
 
 
 def colors_of(kinds: Iterable[Kind]) -> list[str]:
-    """The color of each species; those without one take the palette's next."""
+    """The color of each species; species without a color have the next one of the palette."""
     palette = itertools.cycle(PALETTE)
     return [kind.color or next(palette) for kind in kinds]
 
@@ -223,7 +223,7 @@ class Common:
 
     @property
     def rest(self) -> Fraction:
-        """The time after the last whole frame, over `frame_every`: from 0 to below 1, exact in decimals."""
+        """The time after the last whole frame, over `frame_every`: at least 0 and below 1, exact in decimals."""
         if abs(self.duration / self.frame_every - self.whole_frames) <= 1e-9 * self.whole_frames:
             return Fraction(0)
         return Fraction(repr(self.duration)) / Fraction(repr(self.frame_every)) - self.whole_frames
@@ -234,8 +234,7 @@ class Common:
         return self.whole_frames + (self.rest > 0)
 
     def frame_time(self, number: int) -> float:
-        """The time of a frame (s): `number` times `frame_every`, rounded once; the last one at the
-        end.
+        """The time of a frame (s): `number` times `frame_every`, rounded once; for the last frame, the end of the run.
 
         >>> Common(model="floating", duration=0.5, frame_every=0.14).frame_time(3)
         0.42
@@ -246,7 +245,7 @@ class Common:
 
     @property
     def numbers(self) -> frozenset[str]:
-        """The names of numbers of frames that follow from the scene alone."""
+        """The names of those numbers in frames that follow from the scene alone."""
         return frozenset()
 
     @property
@@ -263,7 +262,7 @@ class Common:
     def replace(self, changes: str | Mapping[str, Given], value: Given = None) -> Self:
         """A scene with another value at a path, `scene.replace("dish.radius", "6 cm")`, or with several such changes.
 
-        Values that the scene did not state follow from the new ones. Raises SceneError with all faults at once.
+        Values that are not given in the scene follow from the new ones. Raises SceneError with all faults at once.
         """
         given = {changes: value} if isinstance(changes, str) else changes
         return cast(Self, _hooks.changed_scene((self, given)))

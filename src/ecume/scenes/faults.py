@@ -45,10 +45,9 @@ def places(text: str) -> dict[Path, Place]:
 
 
 def place_of(path: Path, known: dict[Path, Place]) -> Place | tuple[None, None]:
-    """The position of a path, or of the nearest piece around it; the beginning of the file for a
-    missing key.
+    """The position of a path, or of the nearest piece around it; for a missing key, the beginning of the file.
 
-    A list of tables as a whole is where its first one is.
+    The position of a list of tables is that of its first table.
     """
     if path not in known and (*path, 0) in known:
         return known[*path, 0]
@@ -57,7 +56,7 @@ def place_of(path: Path, known: dict[Path, Place]) -> Place | tuple[None, None]:
 
 
 def _entries(root: Node) -> Iterator[tuple[Path, Node]]:
-    """Yield each path with the node that defines it."""
+    """Yield each path with the node at which it is defined."""
     counts: dict[Path, int] = {}
     for child in root.named_children:
         if child.type == "pair":
@@ -67,8 +66,8 @@ def _entries(root: Node) -> Iterator[tuple[Path, Node]]:
 
 
 def _table(node: Node, counts: dict[Path, int]) -> Iterator[tuple[Path, Node]]:
-    """Yield the entries of a `[table]`, or of one more `[[table]]` of a list; `counts` holds the
-    number of each so far.
+    """Yield the entries of a `[table]`, or of one more `[[table]]` of a list; `counts` contains the number of tables of
+    each list so far.
     """
     head: Path = ()
     names = _key(node.named_children[0])
@@ -103,7 +102,7 @@ def _values(head: Path, top: Node) -> Iterator[tuple[Path, Node]]:
 
 
 def _key(node: Node) -> Path:
-    """The parts of a key: two for `dish.radius`. In the grammar, dotted keys are nested to the left."""
+    """The parts of a key: two for `dish.radius`. The grammar nests dotted keys to the left."""
     if node.type == "dotted_key":
         return tuple(name for part in node.named_children if part.type in KEYS for name in _key(part))
     text = (node.text or b"").decode(errors="replace")
@@ -133,13 +132,13 @@ class Inconsistent(ValueError):
 
 
 def written(path: Path) -> str:
-    """The path `("particles", 0, "radius")` as the text `particles[0].radius`."""
+    """The text `particles[0].radius` for the path `("particles", 0, "radius")`."""
     parts = (f"[{key}]" if isinstance(key, int) else "." + (key if BARE.fullmatch(key) else echo(key)) for key in path)
     return "".join(parts).removeprefix(".")
 
 
 def read_path(text: str) -> Path:
-    """The text `particles[0].radius` as the path `("particles", 0, "radius")`.
+    """The path `("particles", 0, "radius")` for the text `particles[0].radius`.
 
     >>> read_path("particles[0].radius")
     ('particles', 0, 'radius')
@@ -149,7 +148,7 @@ def read_path(text: str) -> Path:
 
 
 def echo(value: object) -> str:
-    """The given value, short and safe to print."""
+    """The given value as short text that is safe to print."""
     if isinstance(value, bool):
         return str(value).lower()
     if isinstance(value, Mapping):
@@ -254,7 +253,7 @@ MISSING = "is missing"
 
 
 def _emptied(detail: ErrorDetails, details: Sequence[ErrorDetails]) -> bool:
-    """Whether a list is too short only because of wrong items, which is no separate fault."""
+    """Whether a list is too short only because of wrong items; this is not a separate fault."""
     path = detail["loc"]
     below = (other["loc"] for other in details if len(other["loc"]) > len(path))
     return detail["type"] == "too_short" and any(other[: len(path)] == path for other in below)
@@ -266,10 +265,10 @@ def _meant(message: str) -> str | None:
 
 
 def _described(detail: ErrorDetails, kind: type, raw: object, also: Sequence[str]) -> list[tuple[Path, str]]:
-    """One of pydantic's complaints as paths and messages."""
+    """The paths and messages of one of the faults that pydantic found."""
     path = tuple(detail["loc"])
     if (label := _label_in(kind, path)) is not None:
-        # A number or a list: only faults of the kind that was given are reported, and the label is not a key.
+        # A number or a list: only the faults of the given kind are reported, and pydantic's label is not a key.
         meant = isinstance(value_at(raw, path[:label], detail["input"]), list | tuple)
         if meant != str(path[label]).startswith("tuple["):
             return []
@@ -296,7 +295,7 @@ def _described(detail: ErrorDetails, kind: type, raw: object, also: Sequence[str
 
 
 def _as_table(detail: ErrorDetails, kind: type, path: Path) -> str:
-    """A hint how to write a table whose kind was given as text: `left = { kind = "outflow" }`."""
+    """A hint on how to write a table whose kind was given as text: `left = { kind = "outflow" }`."""
     word = detail["input"]
     if detail["type"] == "tuple_type" and isinstance(word, dict):
         return f"; write [[{'.'.join(str(key) for key in path if isinstance(key, str))}]] with two brackets"
@@ -308,9 +307,7 @@ def _as_table(detail: ErrorDetails, kind: type, path: Path) -> str:
 
 
 def _label_in(kind: type, path: Path) -> int | None:
-    """The index in a path of pydantic's label of one of several kinds (`tuple[...]`), which a key may have as its name,
-    too.
-    """
+    """The index in a path of pydantic's label for one of several kinds (`tuple[...]`); a key may have the same name."""
     for place, key in enumerate(path):
         if isinstance(key, str) and "[" in key and typing.get_origin(_kind_at(kind, path[:place])) is typing.Union:
             return place
@@ -318,7 +315,7 @@ def _label_in(kind: type, path: Path) -> int | None:
 
 
 def _items(kind: Any) -> tuple[Any, ...]:
-    """The kinds of a list's items; of the list among several kinds."""
+    """The kinds of the items of a list; if one of several kinds is a list, of that list."""
     if typing.get_origin(kind) is typing.Union:
         return next(items for part in typing.get_args(kind) if (items := typing.get_args(part)))
     return typing.get_args(kind)
@@ -396,7 +393,7 @@ def _hint(kind: type, path: Path) -> str:
 
 @cache
 def _hints(kind: Any) -> dict[str, Any]:
-    """The types of the keys of a table, without their units: evaluating them takes long."""
+    """The types of the keys of a table without their units, whose evaluation is slow."""
     return typing.get_type_hints(kind)
 
 

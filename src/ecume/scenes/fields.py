@@ -1,4 +1,4 @@
-"""Velocities of a liquid from files, for the models whose particles a liquid carries."""
+"""Velocities of a liquid from files, for models whose particles follow a liquid."""
 
 from __future__ import annotations
 

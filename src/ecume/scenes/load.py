@@ -50,8 +50,8 @@ class Source(NamedTuple):
 def load_scene(path_or_text: str | File, overrides: Sequence[str] = ()) -> Scene:
     """The scene of a file, or of TOML text. Raises SceneError with all faults at once, each with its line and column.
 
-    `overrides` are changes such as `particles[0].count=10` or `dish.radius=4 cm`. Tables and runs that the scene names
-    are looked for beside its file (beside nothing but the current folder when it is text).
+    `overrides` are changes such as `particles[0].count=10` or `dish.radius=4 cm`. Paths of tables and runs are relative
+    to the folder of the file, or to the current folder if the scene is text.
     """
     source = source_of(path_or_text)
     raw = parsed(source)
@@ -76,14 +76,15 @@ def assembled(raw: dict[str, Any], folder: File) -> tuple[Scene | None, list[tup
     scene, found = examined(raw, also=sources_of(raw))
     if started and (dry or rows.faults):
         found = [fault for fault in found if fault[0] and fault[0][0] not in FROM_ELSEWHERE]
-    # A scene without its rows has no floats, and a region without its file has no shape: these are not separate faults.
+    # A scene without its rows has no floats, and a region without its file has no shape: these count as faults of the
+    # files only.
     excused = {path[:-1] or ("fluid",) for path, _ in dry} | ({("particles",)} if rows.faults else set())
     faults = dry + rows.faults + rows.with_origins([fault for fault in found if fault[0] not in excused])
     return (None if faults else scene), faults
 
 
 def located(error: SceneError, path_or_text: str | File, overrides: Sequence[str] = ()) -> SceneError:
-    """The error with the lines and columns of the file, for faults that a model found in a scene."""
+    """The error with lines and columns in the file, for faults that a model found in a scene."""
     source = source_of(path_or_text)
     raw = parsed(source)
     changed = overridden(raw, overrides)[0]
@@ -95,7 +96,7 @@ def located(error: SceneError, path_or_text: str | File, overrides: Sequence[str
 
 
 def name_liquid(raw: dict[str, Any]) -> None:
-    """Replace `liquid = "water"` and a `temperature` beside it by the table of these two."""
+    """Replace `liquid = "water"`, and a `temperature` next to it, by a table of the two."""
     name = raw.get("liquid")
     if isinstance(name, str):
         given = {"temperature": raw.pop("temperature")} if "temperature" in raw else {}
@@ -120,7 +121,7 @@ def sources_followed(raw: dict[str, Any], folder: File) -> list[tuple[Path, str]
 
 
 def sources_of(raw: dict[str, Any]) -> tuple[str, ...]:
-    """The keys that name particles from elsewhere, which a scene as data does not have."""
+    """The keys that specify particles by other files; a scene as data does not have them."""
     return (START,) if raw.get("model") == "sph" else SOURCES
 
 
@@ -157,7 +158,9 @@ def _from_table(raw: dict[str, Any], name: str, folder: File) -> None:
 
 
 def source_of(path_or_text: str | File) -> Source:
-    """The source, a file or a text: a text contains a line break or an equals sign, a file exists."""
+    """The source, a file or a text. A text contains a line break or an equals sign; otherwise the source must be an
+    existing file.
+    """
     if isinstance(path_or_text, str) and (not path_or_text.strip() or re.search(r"[\n=]", path_or_text)):
         file = File(path_or_text) if "=" in path_or_text and "\n" not in path_or_text else None
         if file is None or len(path_or_text) > 255 or not file.is_file():
@@ -176,7 +179,7 @@ def source_in(path: File, most_bytes: int = MOST_BYTES) -> Source:
 
 
 def _meant(path: File) -> str:
-    """A hint for a user who named a missing file."""
+    """A hint for a missing file: a similar name."""
     if len(path.name) > LONGEST_NAME:
         return ""
     if path.is_dir():

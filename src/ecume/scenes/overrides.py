@@ -21,7 +21,7 @@ LONGEST = 10_000
 
 
 def overridden(raw: dict[str, Any], overrides: Sequence[str]) -> tuple[set[Path], list[tuple[Path, str]]]:
-    """Write the overrides into `raw`; return the paths they set, and their faults."""
+    """Write the overrides into `raw`; return the paths that they set, and their faults."""
     changed: set[Path] = set()
     faults: list[tuple[Path, str]] = []
     for override in overrides:
@@ -61,7 +61,7 @@ def value_of(text: str) -> Any:
 
 
 def put(raw: Any, path: Path, value: Any) -> None:
-    """Set the value at a path; missing tables on the path are created."""
+    """Set the value at a path, and create missing tables on the path."""
     for depth, (key, following) in enumerate(itertools.pairwise(path)):
         if isinstance(key, str) and isinstance(raw, dict) and isinstance(following, str):
             raw.setdefault(key, {})
@@ -70,7 +70,7 @@ def put(raw: Any, path: Path, value: Any) -> None:
 
 
 def _fitting(raw: Any, key: str | int, path: Path, *, new: bool = False) -> Any:
-    """The key, if a value exists there."""
+    """The key, if it can be an index or a key of the value there."""
     if isinstance(key, str) and isinstance(raw, dict) and (new or key in raw):
         return key
     if isinstance(key, int) and isinstance(raw, list) and key < len(raw):

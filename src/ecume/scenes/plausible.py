@@ -1,7 +1,7 @@
 """Remarks on implausible values of a scene: most are wrong units, such as 45 for 45 mN/m.
 
-A plain number is in SI units, and errors are common: its range is that of everyday matter. A unit that is written is
-meant: that range is as wide as nature's. One table has the ranges of all models.
+A plain number is in SI units, and errors are common: its range is that of everyday matter. A number with a unit is
+usually correct: its range contains everything in nature. One table has the ranges of all models.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ Remark = tuple[str, str, str]
 
 
 class Range(NamedTuple):
-    """The values that some keys usually have, in SI units."""
+    """The usual values of some keys, in SI units."""
 
     keys: str
     """a pattern for model and path, `floating liquid.density`"""
@@ -105,7 +105,7 @@ RANGES = (
         (1e-9, 1.0), (1e-9, 50.0), ("cm", "mm", "um"),
     ),
     Range(r"floating flow\.nodes\..*", (1e-9, 10.0), (1e-9, 1e4), ("cm", "mm", "um")),
-    # Fields may be as large as oceans.
+    # Fields may have the size of oceans.
     Range(r"tracers .*\.(low|high|center|vertices|positions|heights)", (1e-12, 1e3), (1e-12, 1e8), LENGTHS),
     Range(r"soft (cell|particles|films|walls|permeation)\..*", (1e-12, 1.0), (1e-12, 1e3), LENGTHS),
     Range(r"tracers particles\..*", (1e-12, 10.0), (1e-12, 1e3), LENGTHS),
@@ -181,7 +181,9 @@ VIOLENT = 50.0
 
 
 def _shaking(table: Mapping[str, Any], kind: Any, path: Path) -> Iterator[Remark]:
-    """Yield the remark on an oscillation of a wall, a body or a dish that is too violent for a plain frequency."""
+    """Yield the remark on an oscillation of a wall, a body or a dish that is too violent for a frequency without a
+    unit.
+    """
     if item_unit(below(kind, "amplitude")) != "m" or item_unit(below(kind, "frequency")) != "1/s":
         return
     amplitude, frequency = _largest(table.get("amplitude"), "m"), _largest(table.get("frequency"), "1/s")
@@ -196,18 +198,18 @@ def _shaking(table: Mapping[str, Any], kind: Any, path: Path) -> Iterator[Remark
 
 
 def _is_proportion(table: Mapping[str, Any], key: str) -> bool:
-    """Whether a length is only relative, since the part that particles cover or fill scales it."""
+    """Whether a length matters only as a ratio, since a covered or filled fraction scales it."""
     return key == "size" and bool({"volume_fraction", "area_fraction", "coverage"} & set(table))
 
 
 def _is_gas(liquid: Mapping[str, Any]) -> bool:
-    """Whether the viscosity of a carrier of tracers is that of a gas."""
+    """Whether the liquid that carries tracers has the viscosity of a gas."""
     found = _largest(liquid.get("viscosity"), "Pa*s")
     return found is not None and found.value < THIN
 
 
 class Given(NamedTuple):
-    """A number in SI units, and whether its unit was written."""
+    """A number in SI units, and whether it was given with a unit."""
 
     value: float
     stated: bool
@@ -222,7 +224,8 @@ def _largest(value: Any, unit: str) -> Given | None:
         return max(found, key=lambda one: (not one.stated, abs(one.value)), default=None)
     try:
         size = Unit(unit).number(value)
-    except (TypeError, ValueError):  # a name in place of a number, such as a closure's, or a fault of the scene
+    # A name instead of a number, such as that of a closure relation, or a fault of the scene.
+    except (TypeError, ValueError):
         return None
     return Given(size, isinstance(value, str)) if math.isfinite(size) else None
 

@@ -1,6 +1,6 @@
-"""The quantities of a scene: their units, and ranges that contain everything physical.
+"""The quantities of a scene: their units, and ranges that contain all physical values.
 
-Both ends are far beyond any experiment. They are there so that no product of legal numbers is infinite or vanishes.
+Both limits are far beyond any experiment. They ensure that products of valid numbers neither overflow nor underflow.
 """
 
 from __future__ import annotations
@@ -77,7 +77,7 @@ Switch = Annotated[bool, Field(strict=True)]
 
 @dataclass(frozen=True)
 class Measured:
-    """The SI unit of numbers that a function reads; `Unit` reads them itself."""
+    """The SI unit of numbers that are read by another function than `Unit`."""
 
     symbol: str
 
@@ -163,11 +163,11 @@ Pull = Annotated[tuple[float, ...], PlainValidator(vector("m/s^2", 1e6)), Measur
 
 
 class InPlane(float):
-    """A number from text in the unit of two dimensions, such as kg/m."""
+    """A reader of numbers as text with the unit in 2D, such as kg/m."""
 
 
 class InSpace(float):
-    """A number from text in the unit of three dimensions, such as kg."""
+    """A reader of numbers as text with the unit in 3D, such as kg."""
 
 
 @dataclass(frozen=True)
@@ -178,7 +178,7 @@ class ByDimension:
     space: str
 
     def number(self, value: object) -> float:
-        """A number in SI units; that of text remembers its unit, for `fault`. A plain number has none."""
+        """A number in SI units. A number from text stores its unit for `fault`; a plain number has none."""
         if not isinstance(value, str) and quantity_of(value) is None:
             return value if isinstance(value, (InPlane, InSpace)) else Unit(self.space).number(value)
         try:

@@ -40,7 +40,7 @@ Scene = FloatingScene | SoftScene | SphScene | TracersScene
 
 
 class _Scenes(MutableMapping[str, type[Common]]):
-    """A table with the rows of this file, which no model is imported for, and those that other models bring along."""
+    """A table with the rows of this file, for which no model is imported, and those that other models add."""
 
     def __init__(self, rows: Mapping[str, type[Common]]) -> None:
         self._rows = dict(rows)
@@ -74,7 +74,7 @@ def from_plain(plain: Mapping[str, Any]) -> Scene:
 
 
 def examined(plain: Mapping[str, Any], also: Sequence[str] = ()) -> tuple[Scene | None, list[tuple[Path, str]]]:
-    """The scene, or all of its faults; `also` are further keys that its file may have."""
+    """The scene, or all its faults; `also` are additional keys that its file may have."""
     model = plain.get("model")
     kind = SCENES.get(model) if isinstance(model, str) else None
     if kind is None:
@@ -109,7 +109,7 @@ def _listed(value: Any) -> Any:
 
 
 def scene_hash(scene: Scene) -> str:
-    """A hash of 64 hexadecimal digits, equal for equal scenes only."""
+    """A hash of 64 hexadecimal digits, which is equal only for equal scenes."""
     return hashlib.sha256(json.dumps(to_plain(scene), sort_keys=True).encode()).hexdigest()
 
 
@@ -131,7 +131,7 @@ def item_unit(kind: Any) -> str:
 
 
 def below(kind: Any, key: str | int) -> Any:
-    """The annotation one key further down."""
+    """The annotation of a key, or of the items of a list, in an annotated piece."""
     if isinstance(key, int):
         return next((inner for part in _parts(kind) if (inner := _items(part)) is not None), None)
     piece = next((part for part in _parts(kind) if dataclasses.is_dataclass(part)), None)
@@ -157,7 +157,7 @@ def _hints(piece: type) -> dict[str, Any]:
 
 
 def _marks(kind: Any) -> Iterator[Any]:
-    """The marks of an annotation, however deep."""
+    """The metadata of an annotation, including nested ones."""
     for part in typing.get_args(kind):
         yield part
         yield from _marks(part)

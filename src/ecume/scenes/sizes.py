@@ -3,7 +3,7 @@
 `radius` of a species is a length, a list with one radius per particle, or a table: a distribution with its mean and
 spread. A species keeps the mean in `radius`, the list in `radii` and the table in `sizes`.
 
-The number of particles of a species may follow from its share of the volume of all.
+The number of particles of a species may follow from its share of the total volume.
 """
 
 from __future__ import annotations
@@ -35,8 +35,8 @@ LEAST = 0.01
 
 @dataclass(frozen=True, kw_only=True, config=STRICT)
 class SizeSpec:
-    """A distribution of radii, by number. The radii of a species are its quantiles at equal distances, in random order:
-    so few particles represent it, too.
+    """A distribution of radii, by number. The radii of a species are its quantiles at equal distances, in random order,
+    so that even a few particles represent it.
     """
 
     distribution: Literal["normal", "lognormal", "uniform", "histogram"]
@@ -118,8 +118,8 @@ def quantiles(sizes: SizeSpec, count: int) -> Array:
 
 
 def radii_of(species: Sized, count: int, seed: tuple[int, int]) -> Array:
-    """The radius of each particle of a species (m); the order of a distribution follows from the seed of the scene and
-    the index of the species.
+    """The radius of each particle of a species (m). For a distribution, the order follows from the seed of the scene
+    and the index of the species.
     """
     if species.sizes is not None:
         return np.random.default_rng([*seed, count]).permutation(quantiles(species.sizes, count))
@@ -171,7 +171,7 @@ def sized(raw: Any) -> Any:
 
 
 def _mean(radii: Any, weights: Any) -> float | None:
-    """The mean of listed radii; None if they are not lengths, which their own key reports."""
+    """The mean of listed radii; None if they are not lengths, which is reported as a fault of their key."""
     if not isinstance(radii, (list, tuple)) or not radii:
         return None
     try:
@@ -182,7 +182,7 @@ def _mean(radii: Any, weights: Any) -> float | None:
 
 
 def list_faults(species: Sized, count: int) -> Complaints:
-    """The fault of a list of radii that is not one per particle."""
+    """The fault of a list of radii whose length is not the number of particles."""
     if species.radii and len(species.radii) != count:
         return [(("radius",), f"got {len(species.radii)} radii; expected one for each of {count} particles")]
     return []
@@ -201,15 +201,16 @@ class Shared(Sized, Protocol):
 
     @property
     def volume_share(self) -> float | None:
-        """The part of the volume of all particles, if the number follows from it."""
+        """The fraction of the volume of all particles, if the number follows from it."""
 
 
 Species = TypeVar("Species", bound=Shared)
 
 
 def shared_out(particles: Sequence[Species], power: int) -> tuple[Species, ...]:
-    """Species with the number of particles that follows from each share of the volume. Raises Inconsistent. A particle
-    fills the volume of a sphere, radius to the power 3, or in a layer an area, to the power 2.
+    """The species with the number of particles that follows from each share of the volume. Raises Inconsistent. The
+    volume of a particle is that of a sphere, proportional to the third `power` of the radius, or in a layer an area, to
+    the second.
     """
     shares = [one.volume_share or 0.0 for one in particles]
     if not any(shares):

@@ -6,8 +6,8 @@
 
 `particles_from = "beads.csv"` is a table with one particle a line.
 
-The particles are matched with the species of the scene, `[[particles]]`, by the names of their types. What a species
-states, its radius for example, takes precedence over what the file contains.
+The particles are matched with the species of the scene, `[[particles]]`, by the names of their types. The values of a
+species in the scene, its radius for example, override those of the file.
 """
 
 from __future__ import annotations
@@ -83,7 +83,7 @@ class StartSpec:
 
 
 class Start(NamedTuple):
-    """Particles in SI units, and the species of the scene that their types mean."""
+    """Particles in SI units, and the species of the scene that correspond to their types."""
 
     particles: Particles
     name: str
@@ -154,7 +154,7 @@ def of_table(folder: Folder, name: str, model: str) -> Start:
 
 
 def refuse_a_file(name: str) -> None:
-    """Raise ValueError where the text of `start_from` names a file of another program."""
+    """Raise ValueError if `start_from` is the name of a file of another program as plain text."""
     match = ANOTHER_FRAME.fullmatch(name)
     if _format_of(Folder(match[1] if match else name)):
         table = f'start_from = {{ file = "{name}", length_unit = "1 mm" }}'
@@ -189,13 +189,13 @@ def _frames_of(path: Folder, spec: StartSpec) -> Series:
 
 
 def _format_of(path: Folder) -> str:
-    """The format that the end of a name states, without that of a compressed file; empty if unknown."""
+    """The format according to the extension of a name, without that of a compressed file; empty if unknown."""
     name = path.with_suffix("") if path.suffix.lower() == COMPRESSED else path
     return FORMATS.get(name.suffix.lower(), "")
 
 
 def all_frames(value: object, folder: Folder) -> tuple[str, Series]:
-    """The file that `start_from` holds, without a number of a frame, and all its frames in SI units.
+    """The file in `start_from`, which has no number of a frame, and all its frames in SI units.
 
     Raises BadInput, and ValueError from `read`.
     """
@@ -266,8 +266,8 @@ def of_run(folder: Folder, name: str, model: str) -> Start:
 
 
 def _there(frame: Frame) -> Mapping[str, NDArray[Any]]:
-    """The arrays of the particles that have not left: the others stay in frames at their last place. Raises ValueError
-    for frames without this mark.
+    """The arrays of the particles that have not left; particles that left remain in frames at their last position.
+    Raises ValueError for frames without this flag.
     """
     if "left" in omitted_from(frame):
         raise ValueError('has frames without "left", which marks the particles that left; see its output.quantities')
@@ -277,7 +277,7 @@ def _there(frame: Frame) -> Mapping[str, NDArray[Any]]:
 
 
 def _keys_of(scene: Any) -> dict[str, dict[str, Any]]:
-    """The keys of each species of a run, without those of positions; rows have none."""
+    """The keys of each species of a run, except those of positions; rows have none."""
     found: dict[str, dict[str, Any]] = {kind.name: {} for kind in scene.kinds}
     for kind, one in zip(scene.kinds, getattr(scene, "particles", ()), strict=False):
         found[kind.name] = {key: value for key, value in table_of(one).items() if key not in LAYOUT}
@@ -293,7 +293,7 @@ def table_of(entry: Any) -> dict[str, Any]:
 
 
 def tables_of(raw: Mapping[str, Any]) -> list[dict[str, Any]]:
-    """The species of a scene's plain data. Raises Inconsistent for positions beside them."""
+    """The species of the plain data of a scene. Raises Inconsistent if they contain positions."""
     given = raw.get("particles", [])
     tables = given if isinstance(given, (list, tuple)) else [given]
     if not all(isinstance(one, Mapping) or dataclasses.is_dataclass(one) for one in tables):
@@ -320,7 +320,7 @@ class Species(NamedTuple):
 
 
 def matched(start: Start, tables: Sequence[Mapping[str, Any]]) -> list[Species]:
-    """The species with their particles, those of the scene first. Raises Inconsistent."""
+    """The species with their particles; those of the scene come first. Raises Inconsistent."""
     names = [str(one.get("name", "")) for one in tables]
     types = [start.particles.names[kind] for kind in sorted(set(start.particles.kind.tolist()))]
     if start.known:
@@ -388,7 +388,7 @@ def _listed(names: Sequence[str] | Mapping[str, Any]) -> str:
 
 
 def dimensions_of(raw: Mapping[str, Any], particles: Particles) -> int:
-    """The dimensions of a scene, from its container or, without one, from the file."""
+    """The dimensions of a scene, from its container, or without a container from the file."""
     tank, cell = raw.get("tank"), raw.get("cell")
     lists = [tank.get("high"), tank.get("low"), *(tank.get("vertices") or ())] if isinstance(tank, Mapping) else []
     lists += [cell.get("size")] if isinstance(cell, Mapping) else []
@@ -458,13 +458,13 @@ def periods_of(raw: Mapping[str, Any]) -> list[Period]:
 
 
 def in_tank(start: Start, periods: Sequence[Period]) -> Start:
-    """The particles at their images inside the tank: boxes of other programs begin anywhere. Raises Inconsistent where
-    the box of the file is of another size.
+    """The particles at the positions of their images inside the tank, since boxes of other programs may begin anywhere.
+    Raises Inconsistent if the box of the file has another size.
     """
     sides, position = start.particles.sides, start.particles.position.copy()
     if sides is None:
         return start
-    if any(axis for axis, _, _ in periods):  # images along y or z are shifted by the tilt
+    if any(axis for axis, _, _ in periods):  # images across sides along y or z are shifted by the tilt
         _require_rectangular(start)
     for axis, low, high in periods:
         _compare([high - low], sides[axis : axis + 1], ("tank", "high"), start)
@@ -520,7 +520,9 @@ def filled(raw: dict[str, Any], start: Start) -> None:
 
 
 def _densities(one: Species, particles: Particles) -> NDArray[np.float64] | None:
-    """The densities of a species without one, from the densities or the masses of the file; None without either."""
+    """The densities of the particles of a species without a density, from the densities or the masses in the file; None
+    without either.
+    """
     if "density" in one.keys:
         return None
     if particles.density is not None:
@@ -534,7 +536,7 @@ def _densities(one: Species, particles: Particles) -> NDArray[np.float64] | None
 
 
 def _take_density(one: Species, found: NDArray[np.float64] | None) -> Complaints:
-    """Set the density of a species from those of the file, which must be alike."""
+    """Set the density of a species from those of the file, which must be equal."""
     if found is None:
         return []
     if np.ptp(found) > ALIKE * found.max():
@@ -550,7 +552,7 @@ def _no_radius(start: Start) -> str:
 
 
 def _take_radius(one: Species, start: Start) -> Complaints:
-    """Set the radius of a species from the diameters of the file: one, or a list if they differ."""
+    """Set the radius of a species from the diameters of the file: one radius, or a list if they differ."""
     path: Path = ("particles", one.place or 0, "radius")
     if start.particles.diameter is None:
         return [(path, _no_radius(start))]
@@ -561,7 +563,7 @@ def _take_radius(one: Species, start: Start) -> Complaints:
 
 
 def require_masses_of_spheres(start: Start) -> None:
-    """Raise Inconsistent where the unit of mass is one of 2D; particles other than liquid are spheres in 2D, too."""
+    """Raise Inconsistent if the unit of mass is that of 2D. Except for liquid, particles in 2D are spheres, too."""
     if start.in_plane:
         raise Inconsistent([((RUN, "mass_unit"), "got a mass per length; expected a mass as in '1 mg', of spheres")])
 

@@ -1,6 +1,6 @@
 """Particles from a table, and the opening of all files that a scene names.
 
-One particle a line, the unit of each column in its head, as in `radius [mm]`.
+A table has one particle per line, and the unit of each column in its header, as in `radius [mm]`.
 """
 
 from __future__ import annotations
@@ -27,10 +27,10 @@ TRUSTED = "ECUME_SCENE_FOLDERS"
 
 
 def beside(folder: pathlib.Path, name: str) -> pathlib.Path:
-    """The path of the file or folder `name` relative to `folder`, inside of it or of a folder that
-    the user trusts.
+    """The path of the file or folder `name` relative to `folder`. It must be inside this folder or one that the user
+    trusts.
 
-    Links are followed before that is judged. Raises ValueError.
+    Links are resolved before this test. Raises ValueError.
     """
     if not name or "\0" in name or len(name) > 1000:
         raise ValueError("expected the path of a file")
@@ -51,7 +51,7 @@ def _trusted() -> list[str]:
 
 def require_there(path: pathlib.Path, folder: pathlib.Path) -> None:
     """Raise ValueError, with the folder that was searched, unless the path exists."""
-    # Unlike pathlib.Path.exists, this raises no error for impossible names.
+    # Unlike pathlib.Path.exists, this raises no error for invalid names.
     if not os.path.exists(path):  # noqa: PTH110
         raise ValueError(f"does not exist; paths are relative to the scene's folder, {folder.resolve()}")
 
@@ -61,7 +61,7 @@ COMPRESSED = ".gz"
 
 
 def text_of(path: pathlib.Path, most_bytes: int) -> str:
-    """The text of a plain file in UTF-8, up to a largest size; compressed by gzip if its name says so. Raises
+    """The text of a plain UTF-8 file, up to a largest size; files with the extension of gzip are decompressed. Raises
     ValueError.
     """
     content = bytes_of(path, most_bytes)
@@ -69,7 +69,7 @@ def text_of(path: pathlib.Path, most_bytes: int) -> str:
 
 
 def _unpacked(content: bytes, most_bytes: int) -> bytes:
-    """The content of a compressed file, up to a largest size. Raises ValueError."""
+    """The decompressed content of a file, up to a largest size. Raises ValueError."""
     try:
         with gzip.open(io.BytesIO(content)) as file:
             found = file.read(most_bytes + 1)
@@ -122,7 +122,7 @@ def bytes_of(path: pathlib.Path, most_bytes: int) -> bytes:
 
 
 class NotText(ValueError):
-    """Bytes that are not UTF-8, with the place of the first."""
+    """Bytes that are not UTF-8, with the position of the first one."""
 
     def __init__(self, data: bytes, error: UnicodeDecodeError) -> None:
         before = data[: error.start]
@@ -187,7 +187,7 @@ class TableFaults(ValueError):
 def followed(
     path: Path, follow: Callable[[Any, str, Folder], None], into: Any, name: object, folder: Folder
 ) -> Complaints:
-    """Apply `follow`, which puts the content of a file into a scene's plain data; return its faults."""
+    """Apply `follow`, which inserts the content of a file into the plain data of a scene; return its faults."""
     if not isinstance(name, str):
         return [(path, f"got {echo(name)}; expected text")]
     try:
@@ -217,13 +217,13 @@ def lines_of(text: str, known: Mapping[str, str] = COLUMNS, required: Sequence[s
 
 
 def names_of(text: str) -> set[str]:
-    """The names of the columns of a table, as far as they can be read. Raises TableFaults for cells that cannot."""
+    """The names of the columns of a table, as far as they can be read. Raises TableFaults for unreadable cells."""
     _, head = next(_cells(text, _delimiter(text)), (1, []))
     return {match[1] for match in map(HEAD.fullmatch, (cell[:200] for cell in head)) if match}
 
 
 def _delimiter(text: str) -> str:
-    """The separator of columns: the most frequent one in the head."""
+    """The separator of columns: the most frequent one in the header."""
     first = next((line for line in text.splitlines() if line.strip() and not line.startswith("#")), "")
     return max(",;\t", key=first.count)
 
@@ -271,7 +271,9 @@ def _column(cell: str, known: Mapping[str, str]) -> Column:
 
 
 def _line(number: int, row: Sequence[str], columns: Sequence[Column], faults: list[str], *, comma: bool) -> Line:
-    """One line in SI; unreadable cells are added to `faults`. `comma`: whether a comma is the decimal separator."""
+    """One line in SI units; unreadable cells are added to `faults`. `comma`: whether a comma is the decimal
+    separator.
+    """
     if len(row) != len(columns):
         faults.append(f"line {number}: {len(row)} cells, expected {len(columns)} as in the head")
     values: dict[str, Any] = {}
@@ -284,9 +286,9 @@ def _line(number: int, row: Sequence[str], columns: Sequence[Column], faults: li
 
 
 def _number(cell: str, scale: float, *, comma: bool) -> float:
-    """The number of a cell in SI. Raises ValueError for infinities, and for notations that only Python accepts. A comma
-    is the decimal separator where columns are separated by something else, as spreadsheets in many languages write;
-    elsewhere it could separate thousands.
+    """The number of a cell in SI units. Raises ValueError for infinities, and for notations that only Python accepts. A
+    comma is the decimal separator if columns have another separator, as in spreadsheets of many languages; otherwise it
+    could be a thousands separator.
     """
     if "_" in cell or not cell.isascii():
         raise ValueError

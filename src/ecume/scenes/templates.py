@@ -12,12 +12,12 @@ from ecume.trajectories.records import storing, write_whole
 
 
 def templates() -> dict[str, str]:
-    """The name of each scene, and its first line, which describes it."""
+    """The name of each scene, with its first line, which describes it."""
     return _first_lines(folder())
 
 
 def sweep_templates() -> dict[str, str]:
-    """The name of each sweep, and its first line, which describes it."""
+    """The name of each sweep, with its first line, which describes it."""
     return _first_lines(folder() / "sweeps")
 
 
@@ -40,7 +40,9 @@ def _model_of(text: str) -> str:
 
 
 def copy_template(name: str, to: Path) -> list[Path]:
-    """Write a template and the table or field beside it into one folder, without overwriting; return the files."""
+    """Write a template, and the table or field that belongs to it, into a folder, without overwriting; return the
+    files.
+    """
     known = templates() | sweep_templates()
     if name not in known:
         near = suggestion(name, known)

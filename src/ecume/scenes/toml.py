@@ -1,4 +1,4 @@
-"""Reading TOML: the tables of a text, or the fault of its syntax with a hint. Hostile nesting is refused."""
+"""Reading TOML: the tables of a text, or the fault of its syntax with a hint. Excessive nesting is refused."""
 
 from __future__ import annotations
 
@@ -33,7 +33,9 @@ def tables_of(text: str) -> dict[str, Any]:
 
 
 def require_shallow_keys(text: str) -> None:
-    """Raise RecursionError for a key of too many parts, `a.a.a ...`: Python's reader needs quadratic time for them."""
+    """Raise RecursionError for a key with too many parts, `a.a.a ...`, for which Python's reader needs quadratic
+    time.
+    """
     parts = 0
     for token in TOKENS.finditer(text):
         mark = token[0]
@@ -61,7 +63,7 @@ BRACKETED = re.compile(r"\s*[A-Za-z_.]+\[[0-9]+\][A-Za-z0-9_.\[\]]*\s*=")
 
 
 def syntax_fault(given: str, text: str) -> Fault:
-    """The message of Python's reader as a fault with its position."""
+    """The fault that corresponds to the message of Python's reader, with its position."""
     message, _, place = given.rpartition(" (at ")
     numbers = re.findall(r"\d+", place)
     ending = text.rstrip("\n").split("\n")

@@ -1,4 +1,4 @@
-"""The scene of the tracers: spheres deep in a liquid, in a tank whose walls turn them back."""
+"""The scene of the tracers: spheres deep in a liquid, in a tank with reflecting walls."""
 
 from __future__ import annotations
 
@@ -91,7 +91,7 @@ class PulseSpec:
 
 @dataclass(frozen=True, kw_only=True, config=STRICT)
 class TurbulenceSpec:
-    """Mixing by turbulence that the flow does not resolve, as a diffusivity; of particles without inertia in a box."""
+    """Mixing by turbulence that the flow does not resolve, as a diffusivity of particles without inertia in a box."""
 
     heights: tuple[Coordinate, ...]
     """The heights of the profile (m), rising. Example: `["0 m", "5 m", "20 m"]`. Effect: where the diffusivities
@@ -114,7 +114,7 @@ class TurbulenceSpec:
 
 @dataclass(frozen=True, kw_only=True, config=STRICT)
 class FlowSpec:
-    """The flow of the liquid: the sum of a uniform velocity, a shear, and a named flow or one from a file."""
+    """The flow of the liquid: the sum of a uniform velocity, a shear, and a flow by name or from a file."""
 
     velocity: Speeds | None = None
     """The velocity of the liquid (m/s); by default it is at rest. Effect: drag accelerates the particles toward it."""
@@ -163,7 +163,7 @@ class FlowSpec:
 
 @dataclass(frozen=True, kw_only=True, config=STRICT)
 class ParticleSpec:
-    """Equal spheres, and where they start."""
+    """Equal spheres, and their initial positions."""
 
     name: Name = ""
     """The name of the species in frames, legends and exports; by default `particle-1` and so on. Effect: none on the
@@ -229,7 +229,7 @@ class ParticleSpec:
 
 @dataclass(frozen=True, kw_only=True, config=STRICT)
 class WallSpec:
-    """The coefficients of one wall of the tank, where they differ from those of the others."""
+    """The coefficients of one wall of the tank, if they differ from those of the others."""
 
     wall: WallNumber
     """The number of the wall. Walls of a box are numbered left, bottom, right, top; in 3D low x, y, z, then high x, y,
@@ -409,7 +409,7 @@ class TracerIntegrationSpec:
 
 @dataclass(frozen=True, kw_only=True, config=STRICT)
 class TracersScene(Common):
-    """Spheres in a liquid that fly, bounce, disperse and settle without mutual forces."""
+    """Spheres in a liquid that move, bounce, disperse and settle without mutual forces."""
 
     model: Annotated[str, Field(pattern="^tracers$")] = "tracers"
     """The model: particles in a liquid that do not interact. Effect: selects the equations that are solved."""
@@ -440,7 +440,9 @@ class TracersScene(Common):
 
     @property
     def dimensions(self) -> int:
-        """The number of dimensions, 2 or 3, of the tank, or else of the first position or corner of particles."""
+        """The number of dimensions, 2 or 3, of the tank, or without a tank of the first position or corner of
+        particles.
+        """
         if self.tank is not None:
             return len(self.tank.high or (self.tank.vertices or ((0.0,) * self.tank.dimensions,))[0])
         for species in self.particles:

@@ -1,4 +1,4 @@
-"""Further faults of a faulty scene: those that its valid part shows."""
+"""Further faults of a faulty scene, found in its valid part."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ def merged(error: SceneError, file: File, overrides: Sequence[str], examine: Cal
     except SceneError:  # the file does not exist
         return list(error.faults)
     if any("twice" in fault.message for fault in syntax):
-        return syntax  # the keys of the second table would be faults of the table before it
+        return syntax  # the keys of the second table would be faults of the first table
     faults = [*syntax] if syntax else list(error.faults)
     if syntax:
         faults += _faults_of(text, overrides)
@@ -64,7 +64,7 @@ def _placed(scene: Scene) -> int:
 
 
 def without_bad_lines(source: Source) -> tuple[Source, list[Fault]]:
-    """The text with an empty line for each that is not TOML, and the faults of these lines."""
+    """The text in which lines that are not TOML are empty, and the faults of these lines."""
     faults: list[Fault] = []
     for _ in range(ROUNDS):
         try:
@@ -107,8 +107,8 @@ def _examined(raw: dict[str, Any], source: Source) -> tuple[Scene | None, list[t
 
 
 def valid_part(source: Source, overrides: Sequence[str]) -> tuple[Scene | None, set[Path]]:
-    """The scene with misspelt keys corrected and faulty ones omitted, and the paths of these; None if the rest is no
-    scene.
+    """The scene with misspelt keys corrected and faulty ones omitted, and the paths of both; None if the remainder is
+    not a scene.
     """
     try:
         raw = tables_of(source.text)

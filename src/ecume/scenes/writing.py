@@ -15,7 +15,8 @@ density = 2500.0
 high = ["1 cm", "2 cm"]
 <BLANKLINE>
 
-Scenes from Python objects: numbers with units, arrays and tables become a scene, with the messages of scene files.
+The file also converts Python objects, such as numbers with units, arrays and tables, to scenes, with the messages of
+scene files.
 
 >>> from ecume.units import mm
 >>> made = scene("floating", duration="1 s", frame_every="0.1 s",
@@ -66,7 +67,7 @@ LARGEST_WITH_UNIT = 1e100
 
 
 class Scale(NamedTuple):
-    """A unit, and the power of ten of the SI unit that it is."""
+    """A unit, and the power of ten by which it differs from the SI unit."""
 
     unit: str
     power: int
@@ -89,7 +90,7 @@ PLAIN = {"1", "kg/m^3"}
 
 
 def write_scene(scene: Scene, path: str | os.PathLike[str], *, force: bool = False) -> File:
-    """Write a scene file, from which `load_scene` reads an equal scene. A file that exists is replaced with `force`."""
+    """Write a scene file, from which `load_scene` reads an equal scene. With `force` an existing file is replaced."""
     from ecume.trajectories.records import write_whole
 
     file = File(path)
@@ -139,7 +140,7 @@ def essential(scene: Scene) -> dict[str, Any]:
 
 
 def _bits(plain: object) -> str:
-    """A text that is equal for equal bits only: minus zero differs from zero."""
+    """A text that is equal only for equal bits: minus zero differs from zero."""
     return json.dumps(plain)
 
 
@@ -175,7 +176,9 @@ def _removable(plain: Any, piece: Any, path: Path = ()) -> Iterator[Path]:
 
 
 def _with_units(value: Any, kind: Any, unit: str) -> Any:
-    """Plain data with the numbers as text with units; `kind` is their annotation, `unit` that of the list around."""
+    """Plain data in which numbers are text with units; `kind` is their annotation, `unit` that of the surrounding
+    list.
+    """
     if isinstance(value, Mapping):
         kinds = {key: below(kind, key) for key in value}
         spelled_out = {key: _with_units(item, kinds[key], item_unit(kinds[key])) for key, item in value.items()}
@@ -189,12 +192,12 @@ def _with_units(value: Any, kind: Any, unit: str) -> Any:
 
 
 def _count(value: Any) -> int:
-    """The numbers in nested lists."""
+    """The number of numbers in nested lists."""
     return sum(map(_count, value)) if isinstance(value, list) else 1
 
 
 def spelled(value: float, unit: str) -> float | str:
-    """A number in SI as text with a unit of a fitting size, where that means the same bits; or the number.
+    """A number in SI as text with a unit of suitable size, if that text gives the same bits; otherwise the number.
 
     >>> spelled(0.0018, "m"), spelled(1.2217304763960306, "rad"), spelled(293.15, "K"), spelled(1030.0, "kg/m^3")
     ('1.8 mm', '70 deg', '20 degC', 1030.0)
@@ -213,7 +216,7 @@ def spelled(value: float, unit: str) -> float | str:
 
 
 def _same(text: str, value: float, unit: str) -> bool:
-    """Whether text is short and means the same bits."""
+    """Whether a text is short and gives the same bits."""
     return len(text.partition(" ")[0]) <= LONGEST_NUMBER and repr(Unit(unit).number(text)) == repr(value)
 
 
@@ -233,7 +236,7 @@ def _digits(decimal: Decimal) -> str:
 
 
 def _document(table: dict[str, Any]) -> str:
-    """The text of a scene's tables, each below its heading."""
+    """The text of the tables of a scene, each below its heading."""
     lines = list(_lines(table, ""))
     return "\n".join(lines).strip("\n") + "\n"
 
@@ -307,11 +310,11 @@ def scene(model: str, *, folder: str | os.PathLike[str] = ..., **keys: Given) ->
 
 
 def scene(model: str, *, folder: str | os.PathLike[str] = ".", **keys: Given) -> Scene:
-    """The scene of these keys, which are those of a scene file; tables are dictionaries or dataclasses.
+    """The scene with these keys, which are those of a scene file; tables are dictionaries or dataclasses.
 
     A number with a unit is text (`"2 mm"`), a pair (`(2, "mm")`), a quantity (`2 * mm` with `ecume.units.mm`) or a
-    quantity of Pint; a plain number is in SI units. Arrays of NumPy may stand for lists. Files that the scene names are
-    looked for in `folder`. Raises SceneError with all faults at once.
+    quantity of Pint; a plain number is in SI units. NumPy arrays may replace lists. Paths of files in the scene are
+    relative to `folder`. Raises SceneError with all faults at once.
     """
     made, faults = assembled({"model": model, **{key: plain_of(value) for key, value in keys.items()}}, File(folder))
     if made is None or faults:
@@ -322,7 +325,7 @@ def scene(model: str, *, folder: str | os.PathLike[str] = ".", **keys: Given) ->
 def changed(of: Common, changes: Mapping[str, Given]) -> Scene:
     """A scene with other values at some paths, such as `dish.radius`. Raises SceneError with all faults at once.
 
-    Values that the scene did not state, such as the laws of its `theory`, follow from the new ones.
+    Values that are not given in the scene, such as the laws of its `theory`, follow from the new ones.
     """
     plain, faults = essential(of), []  # type: ignore[arg-type]  # every scene is one of `Scene`
     for name, value in changes.items():

@@ -1,11 +1,11 @@
 """The exact solution of contacts, for the few islands on which sweeps do not converge.
 
-A raft that is braced by more contacts than it has degrees of freedom has self-stresses, along which impulses can change
-without changing any velocity. Sweeps then creep along one of them by the thousand, until a contact opens. The
-velocities are nevertheless unique: they are the nearest to the given ones, in the norm of kinetic energy, that break no
-condition. This is least distance programming, which becomes nonnegative least squares [lawson1974, chapter 23]:
-minimize |E u - f| over u >= 0, with the contacts' directions and bounds as the columns of E. The method is direct, and
-its cost grows with the cube of the number of contacts: see LARGEST.
+A raft with more contacts than degrees of freedom has self-stresses: changes of impulses that change no velocity.
+Thousands of sweeps then move slowly along a self-stress, until a contact opens. The velocities are nevertheless unique:
+of all that satisfy the conditions, they are the nearest to the given ones in the norm of kinetic energy. This is least
+distance programming, which becomes nonnegative least squares [lawson1974, chapter 23]: minimize |E u - f| over u >= 0,
+with the contacts' directions and bounds as the columns of E. The method is direct, and its cost grows with the cube of
+the number of contacts: see LARGEST.
 """
 
 from __future__ import annotations
@@ -36,8 +36,9 @@ FEASIBLE = 1e-12
 @compiled_apart("float64[:,:]", "float64[:]", "float64[:]")
 def nearest_impulses(matrix: Array, need: Array, impulse: Array) -> bool:
     """Solve for the impulses of the least change of the velocities, in the norm of kinetic energy, that closes the
-    `need` of each contact (m/s). The columns of `matrix` are the responses to unit impulses in this norm, its last row
-    is empty; both change. `impulse` is the initial guess. False, without a change of it, without a solution.
+    `need` of each contact (m/s). The columns of `matrix` are the responses to unit impulses in this norm, and its last
+    row is empty; the matrix and the needs are overwritten. `impulse` is the initial guess, which receives the solution.
+    Returns False, with `impulse` unchanged, if no solution is found.
     """
     scale, longest = 0.0, 0.0
     for k in range(len(need)):
@@ -70,7 +71,7 @@ def nearest_impulses(matrix: Array, need: Array, impulse: Array) -> bool:
 
 @compiled
 def numbered(places: Integers, count: int) -> tuple[Integers, int]:
-    """The new index of each of `count` places that occurs, in ascending order, and the number of these."""
+    """The new index of each of `count` places that occurs, in ascending order, and the number of places that occur."""
     index, found = np.zeros(count, np.int64), 0
     for each in places:
         index[each] = 1
@@ -123,7 +124,7 @@ def nonnegative_least_squares(matrix: Array, right: Array, guess: Choice) -> tup
         passive[entering] = _enter(factors, matrix, right, entering)
         if passive[entering]:
             settled = _settle(factors, solution, passive)
-        # A column that leaves at once is dependent to rounding: it would enter and leave endlessly.
+        # A column that leaves at once is linearly dependent to rounding, and would enter and leave endlessly.
         barred[entering] = not passive[entering]
         if not barred[entering]:
             for k in range(count):

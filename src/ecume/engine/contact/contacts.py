@@ -112,7 +112,9 @@ def pair_gap(apart_x: float, apart_y: float, touching: float) -> tuple[float, fl
 
 @compiled
 def gather(contacts: Contacts, candidates: Candidates, position: Array, bodies: Bodies, reach: float) -> bool:
-    """Find all contacts with a gap below `reach`, by i, then j, walls last. False if the capacity is too small."""
+    """Find all contacts with a gap below `reach`, ordered by i, then j, walls last. Returns False if the capacity is
+    too small.
+    """
     radius, walls, starts, partner = bodies.radius, bodies.walls, candidates.first, candidates.partner
     first, second, normal, gaps = contacts.first, contacts.second, contacts.normal, contacts.gap
     count, walls_here, found, periods = position.shape[0], wall_count(walls), 0, bodies.periods
@@ -148,7 +150,7 @@ def set_effective_masses(contacts: Contacts, mobility: Array) -> None:
 
 @compiled
 def deepest_overlap(total: Integers, gap: Array) -> float:
-    """The deepest overlap of `total[0]` contacts (m); zero without any."""
+    """The deepest overlap of `total[0]` contacts (m); zero without overlaps."""
     deepest = 0.0
     for row in range(total[0]):
         deepest = max(deepest, -gap[row])
@@ -292,7 +294,7 @@ def islands(contacts: Contacts, motion: DiscMotion) -> Islands:
 
 @compiled
 def packed(contacts: Contacts, rows: Integers) -> tuple[Contacts, Integers]:
-    """A copy of some contacts, and their numbers in it: sweeps over successive rows are faster."""
+    """A copy of some contacts, and their indices in the copy: sweeps over successive rows are faster."""
     some = make_contacts(len(rows))
     some.total[0] = len(rows)
     for place in range(len(rows)):
@@ -318,7 +320,7 @@ def unpack(contacts: Contacts, some: Contacts, rows: Integers) -> None:
 
 @compiled
 def unpacked(rows: Any, some: Integers) -> tuple[Any, Integers]:
-    """Rows without a copy, and the numbers of some of them."""
+    """The rows without copying, and the indices of some of them."""
     return rows, some
 
 
@@ -401,7 +403,7 @@ def separate(contacts: Contacts, position: Array, bodies: Bodies, slop: float) -
 
 
 class Memory(NamedTuple):
-    """Impulses kept from step to step: a part of the state, since warm starts change the last bits."""
+    """Impulses stored from step to step. They are a part of the state, since warm starts affect the last bits."""
 
     total: Integers
     pair: Integers
@@ -422,7 +424,7 @@ class ContactKeys(NamedTuple):
 
 @compiled
 def remember(keys: ContactKeys, value: Array, memory: Memory, kept: Array) -> None:
-    """Keep a value of each contact with a positive impulse, with its keys."""
+    """Store a value of each contact with a positive impulse, with its keys."""
     found = 0
     for row in range(keys.total[0]):
         if keys.impulse[row] > 0.0 and found < len(kept):

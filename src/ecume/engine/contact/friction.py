@@ -232,14 +232,14 @@ def scale(system: FrictionalContacts, factor: Array) -> None:
 
 @compiled
 def scale_each(impulse: Array, factor: Array) -> None:
-    """Multiply impulses by factors; a factor of zero gives zero, whatever the impulse was."""
+    """Multiply impulses by factors; a factor of zero gives zero for any impulse."""
     for row in range(len(factor)):
         impulse[row] = factor[row] * impulse[row] if factor[row] != 0.0 else 0.0
 
 
 @compiled
 def remember(system: FrictionalContacts, memory: Memory, kept: Array) -> None:
-    """Keep the tangential impulses of the contacts whose normal impulses are kept."""
+    """Store the tangential impulses of the contacts whose normal impulses are stored."""
     touching.remember(contact_keys(system.contacts), system.tangential.impulse, memory, kept)
 
 

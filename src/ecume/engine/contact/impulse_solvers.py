@@ -1,21 +1,22 @@
 """The solver for the impulses of all contacts of a step: accelerated projected Gauss-Seidel sweeps by islands, for rows
 of any type, and an exact active-set method.
 
-`solve` is the place to start. In Moreau's and Jean's time stepping the unknowns are the impulses p >= 0 of a
-step, complementary to the conditions n.(w_j - w_i) >= bound. `w` is the velocity with which particles move during the
-step, so that with bound = -gap/dt no two overlap afterwards: contacts act before they close. The linear complementarity
-problem is solved by projected Gauss-Seidel sweeps, accelerated by the nonsmooth conjugate gradients of
-Silcowitz-Hansen, Niebe & Erleben (2010), until the residual is below the goal, however many sweeps that takes: with a
-fixed number of sweeps large rafts would slowly overlap.
+`solve` is the place to start. In Moreau's and Jean's time stepping the unknowns are the impulses p >= 0 of a step,
+complementary to the conditions n.(w_j - w_i) >= bound. `w` is the velocity with which particles move during the step,
+so that with bound = -gap/dt no bodies overlap after the step: contacts act before gaps close. The linear
+complementarity problem is solved by projected Gauss-Seidel sweeps, accelerated by the nonsmooth conjugate gradients of
+Silcowitz-Hansen, Niebe & Erleben (2010), until the residual is below the goal, without a fixed number of sweeps, with
+which large rafts would slowly overlap.
 
 Contacts that are connected by movable bodies form an island. Each island is solved separately with as many sweeps as it
-needs, and islands without impulses are skipped. Otherwise the pairs that most islands consist of would be iterated
-until the largest island converges.
+needs, and islands without impulses are skipped. Without islands, isolated pairs, the most frequent islands, would be
+iterated until the largest island converges.
 
-The type of the rows selects the passes over them: discs, to which friction adds tangential rows and rolling resistance
-couples, bodies of any shape, and bodies that move one another. Each type has separate loops, because each further
-number in those of discs would slow down every raft. Islands on which sweeps do not converge are solved exactly
-(`active_set`) where the velocities are a projection: with friction they are not.
+The type of the rows selects the passes over them. There are rows of discs, of discs with friction (additional
+tangential rows) and with rolling resistance (additional torques), of bodies of any shape, and of bodies with
+hydrodynamic interaction. Each type has separate loops, because additional numbers in the loops of discs would slow down
+every raft. Islands on which sweeps do not converge are solved exactly (`active_set`) if the velocities are a
+projection, which they are not with friction.
 """
 
 from __future__ import annotations
@@ -55,7 +56,7 @@ class Tolerance(NamedTuple):
 
 
 class RowKind(NamedTuple):
-    """The functions of one type of rows. `motion` holds velocities and spins, `some` the numbers of contacts."""
+    """The functions of one type of rows. `motion` contains velocities and spins, `some` the indices of contacts."""
 
     start: Callable[..., int]
     """start(rows, motion): change the motion by the initial impulses; return the number of contacts"""
@@ -125,7 +126,9 @@ def solve(rows: Any, motion: Any, tolerance: Tolerance) -> int:
 
 @compiled
 def solve_island(rows: Any, motion: Any, some: Integers, tolerance: Tolerance) -> int:
-    """Do the sweeps of an island after the first; return the number of all, MOST_SWEEPS + 1 without convergence."""
+    """Perform the sweeps of an island after the first; return the number of all sweeps, MOST_SWEEPS + 1 without
+    convergence.
+    """
     if residual(rows, motion, some) <= tolerance.target:
         return 1
     restart(rows, some)
@@ -157,8 +160,8 @@ def solve_island(rows: Any, motion: Any, some: Integers, tolerance: Tolerance) -
 
 @compiled
 def solve_exactly(rows: Any, motion: Any, some: Integers, tolerance: Tolerance) -> int:
-    """Solve an island by the active-set method: 1 if the result is accepted. Nothing changes otherwise, but for
-    rounding.
+    """Solve an island by the active-set method. Returns 1 if the result is accepted; otherwise nothing changes except
+    for rounding.
     """
     if len(some) > LARGEST:
         return 0

@@ -1,4 +1,4 @@
-"""Islands of contacts: those that movable bodies connect, which a solver treats alone."""
+"""Islands of contacts: contacts that are connected by movable bodies, which a solver treats separately."""
 
 from __future__ import annotations
 

@@ -1,17 +1,17 @@
 """Contacts of bodies with a mobility that couples all of them: a full matrix, or only its products
 with vectors.
 
-Contacts of bodies whose mobility is a full matrix: each impulse changes the velocities of all bodies. The conditions
-are those of `impulse_solvers`, with friction as in `friction`, for velocities w and W = J M J^T with a dense
-mobility M. Each row of the Jacobian J has at most six numbers. A change of an impulse adds its column of M J^T to all
-velocities; columns are computed when an impulse first becomes positive. The solver is `impulse_solvers`. All bodies
-move one another, so that all contacts are one island.
+If the mobility is a full matrix, each impulse changes the velocities of all bodies. The conditions are those of
+`impulse_solvers`, with friction as in `friction`, for velocities w and W = J M J^T with a dense mobility M. Each row of
+the Jacobian J has at most six numbers. A change of an impulse adds its column of M J^T to all velocities; columns are
+computed when an impulse first becomes positive. The solver is `impulse_solvers`. Each body moves all others, so that
+all contacts form one island.
 
-Contacts of bodies whose mobility is known by its products only: projected gradients. The conditions are those of
-`impulse_solvers`. Gauss-Seidel sweeps require the response to each single impulse; with the flow of ten
-thousand floats only the response to all impulses at once is affordable. The impulses minimize a quadratic function
-under p >= 0, by steps along the projected gradient with the lengths of Barzilai & Borwein, as for suspensions in
-[yan2019]. Each step is one product.
+If only products with the mobility are known, the method is that of projected gradients. The conditions are those of
+`impulse_solvers`. Gauss-Seidel sweeps require the response to each single impulse; for the flow around ten thousand
+floats only the response to all impulses at once can be computed in a reasonable time. The impulses minimize a quadratic
+function under p >= 0, by steps along the projected gradient with the lengths of Barzilai & Borwein, as for suspensions
+in [yan2019]. Each step is one product.
 """
 
 from __future__ import annotations
@@ -210,7 +210,7 @@ def islands(system: CoupledContacts, motion: Array) -> Islands:
 
 @compiled
 def relaxed(system: CoupledContacts, relaxation: float) -> float:
-    """The next relaxation factor of the tangential rows; without friction it stays."""
+    """The next relaxation factor of the tangential rows; without friction it is unchanged."""
     rubs = len(system.rows.impulse) > len(system.rows.bound)
     return float(friction.relaxed(system, relaxation)) if rubs else relaxation
 
@@ -236,7 +236,8 @@ def add_impulse_of(system: CoupledContacts, motion: Array, row: int, impulse: fl
 @compiled
 def columns(system: CoupledContacts, motion: Array, rows: Integers) -> Array:
     """The responses to unit impulses in the norm of dissipated energy, L^T J^T with the mobility L L^T of the bodies
-    that touch; the last row is empty. Without columns if there is friction, whose velocities are no projection.
+    that touch; the last row is empty. The result has no columns if there is friction, whose velocities are not a
+    projection.
     """
     place, value, mobility = system.rows.place, system.rows.value, system.mobility
     if len(system.rows.impulse) > len(system.rows.bound):
@@ -293,8 +294,8 @@ def solve_by_products(
     contacts: Contacts, velocity: Array, respond: Callable[[Array], Array], target: float, acceptable: float
 ) -> int:
     """Solve for the forces in `contacts.impulse`, which are also the initial guess, and change velocities (N + walls,
-    2) by them, until the residual (m/s) is below the target; `respond(forces)` returns the velocities by forces on all
-    bodies. Returns the number of products, MOST_PRODUCTS + 1 if the residual is not even `acceptable`.
+    2) by them, until the residual (m/s) is below the target. `respond(forces)` returns the velocities of all bodies
+    caused by forces. Returns the number of products, MOST_PRODUCTS + 1 if the residual is not even `acceptable`.
     """
     total = int(contacts.total[0])
     scale, bound = np.sqrt(contacts.weight[:total]), contacts.bound[:total]

@@ -1,10 +1,11 @@
-"""Contacts with rolling resistance: a couple between two surfaces in contact, limited by the normal impulse.
+"""Contacts with rolling resistance: a torque between two surfaces in contact, limited by the normal impulse.
 
-Beside the impulses p and q of `friction`, each contact transfers a couple R* r, equal and opposite on the two bodies,
-with |r| <= mu_r p and the effective radius R* = R_i R_j/(R_i + R_j); at a wall R* = R_i. Bodies do not turn relative to
-one another if a couple inside this limit can prevent it; otherwise it opposes the relative spin with its largest value:
-the constant directional torque of [ai2011] as a complementarity condition, like Coulomb's. r has the unit of an
-impulse, and R* (spin_j - spin_i) that of a velocity, so that one tolerance serves all rows.
+In addition to the impulses p and q of `friction`, each contact transmits an angular impulse R* r, a couple that is
+equal and opposite on the two bodies, with |r| <= mu_r p and the effective radius R* = R_i R_j/(R_i + R_j); at a wall R*
+= R_i. Bodies do not rotate relative to each other if a couple within this limit can prevent it; otherwise the couple
+opposes the relative spin with its largest value: the constant directional torque of [ai2011] as a complementarity
+condition, like Coulomb's. r has the unit of an impulse, and R* (spin_j - spin_i) that of a velocity, so that all rows
+have the same tolerance.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Position projection of bodies that rotate: shifts and rotations that open all overlaps."""
+"""Position projection of bodies that rotate: displacements and rotations that remove all overlaps."""
 
 from __future__ import annotations
 
@@ -20,8 +20,8 @@ def separate(
     """Move and rotate overlapping bodies until no overlap exceeds `slop`, without changing velocities (position
     projection).
 
-    Each iteration linearizes the gaps and finds the least displacements that open all overlaps, by the impulse solver.
-    Returns the number of iterations; `contacts` are those of the final positions.
+    Each iteration linearizes the gaps and finds the smallest displacements that remove all overlaps, by the impulse
+    solver. Returns the number of iterations; `contacts` are those of the final positions.
     """
     position, angle = stance.position, stance.angle
     shift = np.zeros((len(position) + wall_count(bodies.walls), 3))

@@ -2,8 +2,9 @@
 
 The conditions are those of `contacts`, for generalized velocities w = (v_x, v_y, spin): each contact is a Jacobian row
 J of six numbers, three for each body, with J w >= bound, and the response M^-1 J^T of both bodies to a unit impulse.
-The solver is `impulse_solvers`. In a viscous liquid a body has different mobilities along and across itself. Impulses
-act along the line through both nearest points, so that momentum and angular momentum are conserved to rounding.
+The solver is `impulse_solvers`. In a viscous liquid a body has different mobilities along its axis and across it.
+Impulses act along the line through both nearest points, so that momentum and angular momentum are conserved to
+rounding.
 """
 
 from __future__ import annotations
@@ -101,7 +102,7 @@ def impulse_response(mobility: Array, angle: float, jacobian: Array, response: A
 def write_row(
     contacts: TorqueContacts, row: int, pair: tuple[int, int], near: Array, stance: Stance, mobility: Array
 ) -> None:
-    """Store one close approach of two bodies as a contact: gap, Jacobian row, response and effective mass."""
+    """Store one near feature of two bodies as a contact: gap, Jacobian row, response and effective mass."""
     i, j = pair
     contacts.first[row], contacts.second[row], contacts.place[row] = i, j, j * FEATURES + int(near[7])
     contacts.gap[row] = near[0]

@@ -2,11 +2,12 @@
 
 The preconditioner is symmetric Gauss-Seidel (SSOR) within chunks of rows, by Eisenstat's trick.
 
-With D, L and U the diagonal and the lower and upper triangles within each chunk, and R the blocks between chunks,
-(D + L)^-1 A (D + U)^-1 D y = (D + L)^-1 b is solved for y, and x = (D + U)^-1 D y. A product takes a sweep up for
-w = x(y) and one down: it is w + (D + L)^-1 (U w + R w), no more work than A's own [eisenstat1981].
+With D, L and U the diagonal and the lower and upper triangles within each chunk, and R the blocks between chunks, (D +
+L)^-1 A (D + U)^-1 D y = (D + L)^-1 b is solved for y, and x = (D + U)^-1 D y. A product consists of a sweep up for w =
+x(y) and a sweep down for w + (D + L)^-1 (U w + R w). This is no more work than a product with A itself [eisenstat1981].
 
-A chunk belongs to one thread, and sums over rows are those of chunks in their order: bits do not depend on threads.
+A chunk belongs to one thread, and sums over rows are sums over chunks in their order, so that bits do not depend on the
+number of threads.
 """
 
 from __future__ import annotations
@@ -160,7 +161,7 @@ def update_solution(vectors: Array, given: PassArguments, begin: int, end: int) 
 
 @compiled_inside
 def pass_over_chunk(task: int, given: PassArguments, rows: Rows, work: tuple[Array, Array], chunk: int) -> None:
-    """One pass over a chunk of rows, and two sums: the product of its vector with another, and its square."""
+    """Perform one pass over a chunk of rows, and sum the product of its vector with another, and its square."""
     vectors, sums = work
     width = rows.blocks.shape[1]
     begin, end = chunk * CHUNK, min((chunk + 1) * CHUNK, vectors.shape[1])
@@ -170,7 +171,7 @@ def pass_over_chunk(task: int, given: PassArguments, rows: Rows, work: tuple[Arr
         update_solution(vectors, given, begin, end)
     else:
         buffers = (vectors[given.vector], vectors[W], vectors[UW])
-        # The same call three times: a width known to the compiler unrolls its loops.
+        # The same call three times, since the compiler unrolls the loops for a known width.
         if width == 2:
             sweep(task, rows, buffers, (begin, end, 2))
         elif width == 3:
@@ -188,14 +189,14 @@ def pass_over_chunk(task: int, given: PassArguments, rows: Rows, work: tuple[Arr
 
 @compiled
 def pass_serial(task: int, given: PassArguments, rows: Rows, vectors: Array, sums: Array) -> None:
-    """One pass over all chunks, in one thread."""
+    """Perform one pass over all chunks, in one thread."""
     for chunk in range(len(sums)):
         pass_over_chunk(task, given, rows, (vectors, sums), chunk)
 
 
 @threaded
 def pass_threaded(task: int, given: PassArguments, rows: Rows, vectors: Array, sums: Array) -> None:
-    """One pass over all chunks, by several threads."""
+    """Perform one pass over all chunks, by several threads."""
     for chunk in prange(len(sums)):
         pass_over_chunk(task, given, rows, (vectors, sums), chunk)
 

@@ -1,12 +1,11 @@
 """Block systems of pairs: a matrix with a block for each particle and for each pair of neighbors.
 
 `make_pattern` is called once for a set of pairs; `assemble` or `assemble_pair_blocks` fills the blocks. The width of a
-block is the number of unknowns per particle. `solvers` solves the systems. A row belongs to one thread, its sums are in
-the order of pairs:
-bits do not depend on threads.
+block is the number of unknowns per particle. `solvers` solves the systems. A row belongs to one thread, and its sums
+are in the order of pairs, so that bits do not depend on the number of threads.
 
 Systems of a few particles are solved here, by dense elimination (`eliminate`). Right sides and solutions are (R, N, b):
-several for one matrix, which is factorized once. Where nothing fixes the particles, a common shift of the first
+one matrix, which is factorized once, has several right sides. If the particles are free, a common shift of the first
 `null_space_dimension` unknowns (the number of dimensions; otherwise 0) has no resistance: the first particle is then
 fixed, and the mean of the solution is subtracted.
 """
@@ -104,8 +103,8 @@ def count_blocks(
     pairs: tuple[Integers, Integers],
     links: tuple[Integers, Integers],
 ) -> None:
-    """Compute where the blocks of each row start. Columns are visited in order, so that repeated pairs follow each
-    other.
+    """Compute where the blocks of each row start. Columns are visited in order, so that repeated pairs are
+    consecutive.
     """
     (order, rank), (first, second), (first_link, link) = ranks, pairs, links
     last = np.full(len(order), -1)
@@ -199,7 +198,7 @@ def assemble_pair_blocks(matrix: Matrix, pair_blocks: Array, diagonal: Array) ->
 
 @compiled_inside
 def fill_row(pattern: Pattern, blocks: Array, stiffness: Array, diagonal: Array, i: int) -> None:
-    """The row of one particle."""
+    """Fill the row of one particle."""
     here, upper, lower, link = pattern.diagonal[i], pattern.upper, pattern.lower, pattern.link
     width = blocks.shape[1]
     begin_row(pattern, blocks, diagonal, i)
@@ -255,7 +254,7 @@ def center(vectors: Array, null_space_dimension: int) -> None:
 
 @compiled
 def eliminate(matrix: Matrix, right: Array, solution: Array, null_space_dimension: int) -> bool:
-    """Solve by dense elimination with pivots. Returns False without a solution."""
+    """Solve by dense elimination with pivoting. Returns False if the matrix is singular."""
     (several, count, width), order = right.shape, matrix.pattern.order
     size = count * width
     full = np.zeros((size, size + several))
@@ -302,7 +301,9 @@ def scatter(matrix: Matrix, full: Array) -> None:
 
 @compiled
 def triangulate(full: Array) -> bool:
-    """Gauss's elimination of a matrix with its right sides as the last columns; False where it is singular."""
+    """Apply Gaussian elimination to a matrix whose last columns are its right sides. Returns False if it is
+    singular.
+    """
     size, wide = full.shape
     for k in range(size):
         pivot = k
@@ -380,7 +381,7 @@ def invert_three(b: Array, inverse: Array) -> bool:
 
 @compiled
 def invert(b: Array, inverse: Array, room: Array) -> bool:
-    """Invert a matrix by Gauss-Jordan elimination with pivots, in `room` (b, 2b)."""
+    """Invert a matrix by Gauss-Jordan elimination with pivoting, in `room` (b, 2b)."""
     width = b.shape[0]
     for k in range(width):
         for m in range(width):

@@ -1,9 +1,9 @@
 """Block systems by CHOLMOD [chen2008], through cvxopt: optional, since both are under the GNU GPL.
 
 CHOLMOD factorizes symmetric positive definite matrices: here the symmetric part, with a symbolic analysis that is
-computed once per pattern. GMRES [saad1986] with this factorization as preconditioner corrects for the rest in a few
-iterations. CHOLMOD uses the installed BLAS: the last digits may depend on the machine and its threads, the first ten do
-not.
+computed once per pattern. GMRES [saad1986] with this factorization as preconditioner corrects for the antisymmetric
+part in a few iterations. CHOLMOD uses the installed BLAS: the last digits may depend on the machine and its threads,
+the first ten do not.
 """
 
 from __future__ import annotations

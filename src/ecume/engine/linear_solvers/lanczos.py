@@ -1,9 +1,9 @@
 """Products with the square root of a symmetric, positive definite matrix, by Lanczos's method.
 
 Correlated random numbers B z with B B^T = M need no factorization of M: in the Krylov space of z the square root is
-that of a small tridiagonal matrix [ando2012]. The matrix is first scaled to a diagonal of ones, M = S C S, and
-B = S C^(1/2). Small matrices have Cholesky's factor instead. Sums have a stated order, so that the bits do not
-depend on the processor's libraries.
+that of a small tridiagonal matrix [ando2012]. The matrix is first scaled to a diagonal of ones, M = S C S, and B = S
+C^(1/2). For small matrices, B is the Cholesky factor. Sums have a fixed order, so that the bits do not depend on the
+libraries of the processor.
 """
 
 from __future__ import annotations
@@ -40,8 +40,8 @@ def root_product(matrix: Array, vector: Array, result: Array) -> None:
 
 @compiled
 def cholesky_product(matrix: Array, vector: Array, result: Array) -> None:
-    """Write B z with the lower triangle B of Cholesky's factorization. A pivot that rounding makes negative counts as
-    zero, and so does its column.
+    """Write B z with the lower triangle B of Cholesky's factorization. A pivot that is negative by rounding counts as
+    zero, as does its column.
     """
     size = len(vector)
     lower = np.zeros((size, size))
@@ -94,8 +94,8 @@ def krylov_root(matrix: Array, vector: Array, result: Array) -> int:
 
 
 def root_by_products(product: Callable[[Array], Array], scale: Array, vector: Array, accuracy: float) -> Array:
-    """B z by Lanczos's method for a matrix that is known by its products with vectors; `scale` is the square root of
-    its diagonal.
+    """The product B z by Lanczos's method for a matrix that is known by its products with vectors; `scale` is the
+    square root of its diagonal.
     """
     far, most = length(vector), min(len(vector), MOST)
     basis, diagonal, beside = [vector / far], np.zeros(most), np.zeros(most + 1)
@@ -122,9 +122,9 @@ def root_by_products(product: Callable[[Array], Array], scale: Array, vector: Ar
 
 @compiled
 def _extend(matrix: Array, scale: Array, basis: Array, used: int) -> float:
-    """Write the next basis vector, not yet normalized. Returns the diagonal entry of the last."""
+    """Write the next basis vector, not yet normalized. Returns the diagonal entry of the last one."""
     last, following, size = basis[used], basis[used + 1], len(scale)
-    # The matrix is symmetric, so that rows replace columns: this loop vectorizes, a sum along a row does not.
+    # The matrix is symmetric, so that rows replace columns: this loop vectorizes, while a sum along a row does not.
     for row in range(size):
         share = last[row] / scale[row]
         for column in range(size):
@@ -161,8 +161,8 @@ def _changed(share: Array, before: Array, used: int) -> float:
 
 @compiled
 def root_column(diagonal: Array, beside: Array, column: Array) -> None:
-    """Write the first column of the square root of a tridiagonal matrix, by Jacobi's rotations. Eigenvalues that
-    rounding makes negative count as zero.
+    """Write the first column of the square root of a tridiagonal matrix, by Jacobi's rotations. Eigenvalues that are
+    negative by rounding count as zero.
     """
     size = len(diagonal)
     rows, vectors = np.zeros((size, size)), np.eye(size)

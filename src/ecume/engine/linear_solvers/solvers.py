@@ -1,12 +1,12 @@
 """The table of solvers of block systems, their stored data for a pattern, and the estimate of the
 cheaper one.
 
-Right sides and solutions are (R, N, b): several for one matrix. Where nothing holds the particles in place, the first
-`null_space_dimension` unknowns of all of them may shift together without resistance (as many as there are dimensions; 0
-where something holds them): the mean is then taken out.
+Right sides and solutions are (R, N, b): one matrix has several right sides. If nothing fixes the particles, a common
+shift of their first `null_space_dimension` unknowns has no resistance, and the mean is subtracted from the solution.
+This number is that of the dimensions, or 0 if the particles are fixed.
 
-`iterative` follows biconjugate gradients as closely as a step of Newton's method can use, `direct` factorizes by
-SuperLU, `cholmod` has the symmetric part factorized by SuiteSparse, and `dense` is for a few particles. `does_less`
+`iterative` runs biconjugate gradients to the accuracy that a step of Newton's method requires, `direct` factorizes with
+SuperLU, `cholmod` factorizes the symmetric part with SuiteSparse, and `dense` is for a few particles. `does_less`
 compares costs as numbers of operations, not times, so that equal states choose the same solver. Ill-conditioned systems
 need more iterations, and are therefore solved directly.
 """
@@ -81,7 +81,7 @@ def directly(kept: Kept, matrix: Matrix, right: Array, solution: Array, null_spa
 
 
 def by_cholmod(kept: Kept, matrix: Matrix, right: Array, solution: Array, null_space_dimension: int) -> bool:
-    """Solve by CHOLMOD's factorization of the symmetric part, and GMRES for the rest."""
+    """Solve by CHOLMOD's factorization of the symmetric part, and GMRES for the antisymmetric one."""
     if kept.analysis is None:
         kept.analysis = cholmod.analyze(kept.pattern, kept.width)
     return cholmod.solve(matrix, kept.analysis, right, solution, null_space_dimension)
@@ -96,7 +96,7 @@ def does_less(kept: Kept, iterations: int) -> bool:
 
 
 def pays(kept: Kept) -> bool:
-    """Whether a factorization is fast enough to replace the iterative solver where that breaks down."""
+    """Whether a factorization is fast enough to replace the iterative solver where the latter breaks down."""
     return work(kept) <= MOST_WORK
 
 

@@ -1,17 +1,16 @@
 """Direct solutions of block systems: SciPy's SuperLU [demmel1999], in the order of a nested dissection [george1973].
 
-The order in which a direct solver eliminates a block system: nested dissection [george1973]. Rows that are close to
-each other in a pattern are close to each other in position (`block_matrix.near_order`). So each part of them is cut
-into two halves at its middle; of the rows on the two sides of the cut, the fewer become the separator, without which
-the halves are not connected. Parts are eliminated before the separators that bound them. Fill-in then grows like N
-log N in 2D.
+Nested dissection [george1973] is the order in which a direct solver eliminates a block system. Rows that are close to
+each other in a pattern are close in position (`block_matrix.near_order`). Therefore each part of the rows is cut at its
+middle into two halves. Of the rows on either side of the cut, the smaller set becomes the separator, without which the
+halves are not connected. Parts are eliminated before the separators that bound them. Fill-in then grows like N log N in
+2D.
 
-The pattern of a block system is symmetric, so that SuperLU runs in its symmetric mode: it keeps to the given order
-and to pivots on the diagonal unless these are tiny. SuperLU's own orders (minimum degree) take as long for 300 and
-3,000 discs, but 3.8 times as long for 10,000 discs and 1.4 times as long for 1,000 spheres
-(`benchmarks/factorizations.py`).
+The pattern of a block system is symmetric, so that SuperLU runs in its symmetric mode, with the given order and with
+pivots on the diagonal unless these are tiny. SuperLU's own orders (minimum degree) take as long for 300 and 3,000
+discs, but 3.8 times as long for 10,000 discs and 1.4 times as long for 1,000 spheres (`benchmarks/factorizations.py`).
 
-SuperLU calls the BLAS at hand. Its sums are in one order for any number of threads, but the last digits depend on the
+SuperLU calls the installed BLAS. Its sums are in one order for any number of threads, but the last digits depend on the
 processor, as those of LAPACK do.
 """
 
@@ -44,7 +43,7 @@ def elimination_order(pattern: Pattern) -> Integers:
 
 
 def _cut(pattern: Pattern) -> tuple[Integers, Integers, int]:
-    """For each row, the level of its separator or last part and its number within the level; and the last level."""
+    """The level of the separator or last part of each row, and its index within the level; and the last level."""
     count = len(pattern.order)
     depth = max(int(np.ceil(np.log2(max(count / LEAF, 1.0)))), 0)
     level, part = np.full(count, depth), np.zeros(count, np.int64)
@@ -64,7 +63,7 @@ def _cut(pattern: Pattern) -> tuple[Integers, Integers, int]:
 
 
 def _halves(part: Integers, remaining: NDArray[np.bool_]) -> Integers:
-    """The half (0 or 1) of its part for each row."""
+    """The half (0 or 1) of its part to which each row belongs."""
     rows = np.flatnonzero(remaining)
     rows = rows[np.argsort(part[rows], kind="stable")]
     sizes = np.bincount(part[rows])
@@ -127,7 +126,7 @@ def operations(count: int, width: int, dimensions: int) -> float:
 
 
 def solve(matrix: Matrix, analysis: Analysis, right: Array, solution: Array, null_space_dimension: int) -> bool:
-    """Solve for all right sides; False where the matrix is singular, or a solution is not accurate."""
+    """Solve for all right sides. Returns False if the matrix is singular, or a solution is not accurate."""
     whole, held = reordered(matrix, analysis, null_space_dimension), analysis.rank[:null_space_dimension]
     factors = factorize(whole)
     if factors is None:
@@ -159,7 +158,7 @@ def reordered(matrix: Matrix, analysis: Analysis, null_space_dimension: int) -> 
 
 
 def factorize(whole: csc_array) -> SuperLU | None:
-    """L and U of a matrix; None where it is singular."""
+    """The factors L and U of a matrix; None if it is singular."""
     from scipy.sparse.linalg import splu
 
     try:

@@ -1,8 +1,8 @@
 """Walls: surfaces that reflect particles within a step (`reflect`), and the walls around floating
 rafts (`Walls`).
 
-Start in `surfaces`, the common shapes of all models: planes and spheres. Its second part describes plane walls as
-floats need them; soft spheres move its planes (`through`).
+Start with `surfaces`, the common shapes of all models: planes and spheres. Its second part describes plane walls for
+floats; soft spheres move its planes (`through`).
 """
 
 from __future__ import annotations

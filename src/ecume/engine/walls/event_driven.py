@@ -1,7 +1,8 @@
-"""Event-driven motion of particles between walls: each flies from collision to collision until its step is used up.
+"""Event-driven motion of particles between walls: each particle moves from collision to collision until the end of the
+step.
 
-First the parts of one flight: the next event, the rebound, rest on surfaces and sliding along them. Then the step of
-all particles, with threads, and the record of hits.
+The first part treats one flight: the next event, the rebound, rest on surfaces and sliding along them. The second part
+is the step of all particles, with threads, and the record of hits.
 """
 
 from __future__ import annotations
@@ -79,7 +80,7 @@ Log = tuple[Integers, Integers, Array, Array]
 
 @compiled_inside
 def undisturbed(motion: Motion, moment: Moment, kind: Integers, number: Array) -> bool:
-    """Whether no collision is possible, by a sufficient bound without roots."""
+    """Whether a collision is excluded by a sufficient bound, without computing roots."""
     k = 0
     while k < kind.shape[0]:
         free, stop = False, max(int(kind[k, 2]), k + 1)
@@ -123,7 +124,7 @@ def time_to_surface(motion: Motion, moment: Moment, kind: Integers, number: Arra
 
 @compiled_inside
 def on_face(motion: Motion, moment: Moment, kind: Integers, number: Array, k: int) -> bool:
-    """Whether a point of the plane is on the face of the obstacle: inside its other planes, and not just leaving."""
+    """Whether a point of the plane is on the face of the obstacle: inside its other planes, and not leaving them."""
     x, v, a = motion
     time, _, radius = moment
     for j in range(kind[k, 1], kind[k, 2]):
@@ -154,7 +155,7 @@ def time_to_rim(motion: Motion, moment: Moment, kind: Integers, number: Array, k
 def next_event(motion: Motion, moment: Moment, held: Held, kind: Integers, number: Array) -> tuple[float, int]:
     """The next event in the rest of the step: the surface hit, or -2 - k for leaving face k.
 
-    Simultaneous hits, up to rounding, follow one another, in the order of the surfaces.
+    Hits that are simultaneous up to rounding are processed in the order of the surfaces.
     """
     time, left, radius = moment
     soonest, what = left, NOTHING
@@ -172,7 +173,7 @@ def next_event(motion: Motion, moment: Moment, held: Held, kind: Integers, numbe
 
 @compiled_inside
 def supports(held: Held, kind: Integers, number: Array, x: Vector, time: float) -> tuple[Vector, Vector, Vector]:
-    """The normals of the surfaces on which a particle rests; zero vectors for none."""
+    """The normals of the surfaces on which a particle rests; zero vectors for missing supports."""
     none = (0.0, 0.0, 0.0)
     first = inward_normal(kind, number, held[0], x, time) if held[0] >= 0 else none
     second = inward_normal(kind, number, held[1], x, time) if held[1] >= 0 else none
@@ -182,7 +183,7 @@ def supports(held: Held, kind: Integers, number: Array, x: Vector, time: float) 
 
 @compiled_inside
 def without_support(held: Held, k: int) -> Held:
-    """The supports except k."""
+    """The supports without surface k."""
     return (
         held[0] if held[0] != k else -1,
         held[1] if held[1] != k else -1,
@@ -192,7 +193,7 @@ def without_support(held: Held, k: int) -> Held:
 
 @compiled_inside
 def with_support(held: Held, k: int) -> Held:
-    """The supports k and the two most recent others."""
+    """The supports consisting of k and the two most recent others."""
     rest = without_support(held, k)
     return k, rest[0] if rest[0] >= 0 else rest[1], rest[2] if rest[0] < 0 else (rest[1] if rest[1] >= 0 else rest[2])
 
@@ -222,8 +223,7 @@ def curvature(kind: Integers, number: Array, k: int, radius: float) -> float:
 
 @compiled_inside
 def rebound(state: State, moment: Moment, kind: Integers, number: Array, k: int) -> tuple[Vector, Held, bool]:
-    """The velocity after a collision with surface k, the supports then, and whether it counts as a
-    hit.
+    """The velocity after a collision with surface k, the supports after it, and whether it counts as a hit.
 
     In the frame of the wall v_n -> -C_R v_n and v_t -> C_T v_t. A particle that would rebound more slowly than `calm`,
     while an external force presses it onto the surface, stays there and slides without friction.
@@ -252,11 +252,10 @@ def rebound(state: State, moment: Moment, kind: Integers, number: Array, k: int)
 
 @compiled_inside
 def calm_speed(v: Vector, push: Vector, span: float, bounce: tuple[float, float]) -> float:
-    """The speed below which a rebound counts as rest; bounce = (restitution, rounding error of a
-    position).
+    """The speed below which a particle does not rebound; bounce = (restitution, rounding error of a position).
 
-    Without dissipation only an external force causes small bounces; with dissipation any speed decays. A fall through
-    the rounding error of a position also causes a speed.
+    Without dissipation only an external force causes small bounces; with dissipation any speed decays. Falling through
+    the rounding error of a position also produces a small speed.
     """
     strength = length(push)
     lost = length(v) if bounce[0] < 1.0 else 0.0
@@ -265,7 +264,7 @@ def calm_speed(v: Vector, push: Vector, span: float, bounce: tuple[float, float]
 
 @compiled_inside
 def rolled(state: State, moment: Moment, kind: Integers, number: Array, k: int) -> tuple[Vector, Vector, float]:
-    """Slide along the curved wall k for part of the step: position, velocity, and the time it took.
+    """Slide along the curved wall k for part of the step; return position, velocity, and the time used.
 
     Velocity Verlet on the sphere: half a kick, a great circle, half a kick; exact without a push.
     """
@@ -304,7 +303,9 @@ def record_hit(log: Log, i: int, hit: tuple[int, int, float], place: Vector) -> 
 
 @compiled_inside
 def clamped_inside(x: Vector, start: Vector, moment: Moment, sheet: tuple[Integers, Array]) -> tuple[Vector, bool]:
-    """The final position, corrected for rounding outside of the walls; and whether the correction was only rounding."""
+    """The final position, corrected if rounding placed it outside the walls; and whether the correction was only of the
+    size of rounding.
+    """
     kind, number = sheet
     for _ in range(3):
         gap, k = worst_gap(kind, number, x, moment[0])
@@ -321,7 +322,7 @@ def clamped_inside(x: Vector, start: Vector, moment: Moment, sheet: tuple[Intege
 def advance_to_event(
     motion: Motion, moment: Moment, held: Held, kind: Integers, number: Array
 ) -> tuple[Vector, Vector, float, int]:
-    """Advance to the next event: position and velocity there, the time it took, and the event."""
+    """Advance to the next event: position and velocity there, the time until it, and the event."""
     x, v, push = motion
     time, _, radius = moment
     curved = curved_support(held, kind)
@@ -343,13 +344,13 @@ def advance_to_event(
 
 @compiled_inside
 def scaled_between(x: Vector, new: Vector, time: float) -> Vector:
-    """The velocity that leads from one point to another."""
+    """The constant velocity that leads from one point to another in the given time."""
     return (new[0] - x[0]) / time, (new[1] - x[1]) / time, (new[2] - x[2]) / time
 
 
 @compiled_inside
 def released(held: Held, motion: Motion, moment: Moment, kind: Integers, number: Array) -> Held:
-    """The supports without those that the particle leaves or on which it no longer presses."""
+    """The supports without those that the particle leaves or no longer presses on."""
     x, v, push = motion
     on = supports(held, kind, number, x, moment[0])
     a = projected_on_cone(push, on[0], on[1], on[2])

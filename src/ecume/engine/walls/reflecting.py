@@ -47,14 +47,14 @@ def reflect(
     acceleration: Any = None,
     radius: Any = 0.0,
 ) -> tuple[Array, Array, Integers]:
-    """Fly particles through one step of `dt` seconds: new positions (N, d), velocities (N, d), hits (N,).
+    """Move particles through one step of `dt` seconds; return new positions (N, d), velocities (N, d) and hits (N,).
 
-    At a surface the normal velocity turns, v_n -> -restitution v_n, and the tangential one becomes tangential v_t, in
-    the frame of the surface, as often as it is met; between hits the flight is straight, or a parabola under a constant
-    acceleration, (d,) or (N, d). A particle of a radius touches before its center does. Coefficients are one number,
-    or one for each surface. What rebounds more slowly than 1e-8 of the step's speeds, pressed on, slides. Moving walls
-    are where they are when the step begins. Raises BadInput for a particle that starts outside, or that would need
-    more than 10,000 events; `trace` flags the latter instead.
+    At each hit the normal velocity v_n becomes -restitution v_n, and the tangential velocity v_t becomes tangential
+    v_t, in the frame of the surface. Between hits the flight is straight, or a parabola under a constant acceleration,
+    (d,) or (N, d). A particle with a radius touches a surface before its center does. Coefficients are one number, or
+    one for each surface. A particle that is pressed onto a surface and would rebound more slowly than 1e-8 of the
+    speeds in the step slides. Positions of moving walls are those at the beginning of the step. Raises BadInput for a
+    particle that starts outside, or that would need more than 10,000 events; `trace` flags the latter instead.
 
     >>> from ecume.engine.walls import box
     >>> position, velocity, hits = reflect([(0.5, 0.9)], [(0.0, 1.0)], 0.5, box((0, 0), (1, 1)))
@@ -85,8 +85,8 @@ def trace(
     acceleration: Any = None,
     radius: Any = 0.0,
 ) -> Trace:
-    """The same step as `reflect`, with every hit: which surface (the original's plane_col, plane_col2 and on), when,
-    where.
+    """Perform the same step as `reflect`, and return every hit: the surface (the original's plane_col, plane_col2 and
+    so on), the time and the position.
 
     >>> from ecume.engine.walls import box
     >>> trace([(0.9, 0.8)], [(1.0, 1.0)], 0.5, box((0, 0), (1, 1))).surface
@@ -160,8 +160,7 @@ def gaps(position: Array, walls: Surfaces) -> Array:
 
 
 def clearance(position: Array, walls: Surfaces) -> tuple[Array, Integers]:
-    """The distance of each point from the nearest surface (m, negative outside), and the index of
-    that surface.
+    """The distance of each point from the nearest surface (m, negative outside), and the index of that surface.
 
     The distance from an obstacle is the largest of those from its faces.
     """

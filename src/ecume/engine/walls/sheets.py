@@ -1,9 +1,10 @@
 """Surfaces in compiled loops: vectors as tuples, gaps and normals at a given time, and times at which a flight meets a
 surface.
 
-Three numbers at a time: a vector as a tuple, which compiled code keeps in registers. In two dimensions z is 0.
+A vector is a tuple of three numbers, which compiled code keeps in registers. In 2D z is 0.
 
-When a flight meets a surface: roots without cancellation. The flight is x + v t + a t^2/2, all relative to it.
+The times at which a flight meets a surface are roots in a form without cancellation. The flight is x + v t + a t^2/2
+relative to the surface.
 """
 
 from __future__ import annotations
@@ -77,8 +78,8 @@ def projected_on_cone(vector: Vector, first: Vector, second: Vector, third: Vect
     """The nearest vector that does not point into any of three supports; an absent support has the
     normal 0.
 
-    This is the projection on the cone w.n >= 0: the vector itself, its projection on a face or an edge, or zero,
-    whichever is the first that is allowed.
+    This is the projection on the cone w.n >= 0: the first allowed one of the vector itself, its projections on a face
+    or an edge, and zero.
     """
     normals = (first, second, third)
     slack = -1e-12 * length(vector)
@@ -137,7 +138,7 @@ def sheet(walls: Surfaces, restitution: Any = 1.0, tangential: Any = 1.0) -> She
     centers = walls.place * (walls.kind != PLANE)[:, None]
     number[:, SCALE] = max((float(np.abs(part).max()) for part in (centers, walls.size) if part.size), default=0.0)
     kind = np.column_stack([walls.kind, walls.face])
-    # An opening is a flat part of a surface: compare to rounding.
+    # An opening is a flat part of a surface; flatness is compared up to rounding.
     slack = 1e-9 * np.linalg.norm(walls.high - walls.low, axis=1)[:, None]
     return Sheet(kind, number, walls.hole.copy(), np.hstack([walls.low - slack, walls.high + slack]))
 
@@ -179,7 +180,7 @@ def inward_normal(kind: Integers, number: Array, k: int, x: Vector, time: float)
 
 @compiled_inside
 def gap_to(kind: Integers, number: Array, k: int, x: Vector, time: float) -> float:
-    """The distance of the point from surface k, positive inside."""
+    """The distance of a point from surface k, positive inside."""
     if kind[k, 0] == PLANE:
         normal = place_of(number, k)
         return dot(normal, x) - float(number[k, SIZE]) - time * dot(normal, wall_velocity(number, k))
@@ -236,10 +237,10 @@ Quartic = tuple[float, float, float, float, float]
 
 @compiled_inside
 def time_to_plane(gap: float, speed: float, push: float) -> float:
-    """The first t >= 0 at which gap + speed t + push t^2/2 becomes negative, from above.
+    """The first t >= 0 at which gap + speed t + push t^2/2 becomes negative, coming from positive values.
 
-    The form of the root avoids cancellation. A flight that starts at a negative gap, as beside the face of an obstacle,
-    must first become positive.
+    The form of the root avoids cancellation. If the gap is negative at the start, as next to the face of an obstacle,
+    it must first become positive.
     """
     if gap < 0.0 and not (speed > 0.0 and push < 0.0 and speed * speed > 2.0 * push * gap):
         return NEVER
@@ -253,9 +254,10 @@ def time_to_plane(gap: float, speed: float, push: float) -> float:
 
 @compiled_inside
 def time_to_chord_end(gap: float, inward: float, square: float) -> float:
-    """The first t >= 0 at which gap - 2 inward t - square t^2 turns negative: straight flight inside a sphere.
+    """The first t >= 0 at which gap - 2 inward t - square t^2 becomes negative, for a straight flight inside a sphere.
 
-    gap = R^2 - p^2 >= 0, inward = p.v, square = v^2. From the sphere itself it is the chord, -2 p.v / v^2.
+    gap = R^2 - p^2 >= 0, inward = p.v, square = v^2. For a start on the sphere it is the time along the chord, -2 p.v /
+    v^2.
     """
     if square == 0.0:
         return NEVER
@@ -265,7 +267,7 @@ def time_to_chord_end(gap: float, inward: float, square: float) -> float:
 
 @compiled_inside
 def time_to_ball(gap: float, inward: float, square: float) -> float:
-    """The first t >= 0 at which gap + 2 inward t + square t^2 turns negative: straight flight outside a sphere.
+    """The first t >= 0 at which gap + 2 inward t + square t^2 becomes negative, for a straight flight outside a sphere.
 
     gap = p^2 - R^2 >= 0.
     """
@@ -301,7 +303,7 @@ def time_to_sphere(
 
 @compiled_inside
 def first_crossing(quartic: Quartic, longest: float) -> float:
-    """The first t in [0, longest] at which c0 + c1 t + ... + c4 t^4 turns negative; c0 >= 0.
+    """The first t in [0, longest] at which c0 + c1 t + ... + c4 t^4 becomes negative; c0 >= 0.
 
     Between the turning points, which lie between the points of inflection, a quartic is monotone: no root is missed.
     """
@@ -342,7 +344,9 @@ def value(c: Quartic, t: float) -> float:
 
 @compiled_inside
 def bracketed(c: Quartic, low: float, high: float) -> float:
-    """The root in an interval with a change of sign, by Newton's method with bisection outside of the bracket."""
+    """The root in an interval with a change of sign, by Newton's method, with bisection where it would leave the
+    interval.
+    """
     rising = value(c, high) > value(c, low)
     t = 0.5 * (low + high)
     for _ in range(100):

@@ -1,10 +1,10 @@
 """Surfaces of walls and obstacles: planes and spheres, each with an inner side, and openings through which particles
 enter or leave.
 
-Every shape is a list of surfaces; `together` joins lists. A particle must be on the inner side of all of them, except
-that of a convex obstacle it must be outside one of the faces.
+Every shape is a list of surfaces; `together` joins lists. A particle must be on the inner side of all surfaces; for a
+convex obstacle it is sufficient to be outside one of its faces.
 
-The second part reads 2D walls as compiled loops need them, and the region inside. An enclosure of floats is convex and
+The second part describes 2D walls for compiled loops, and the region inside. An enclosure of floats is convex and
 contains the origin: a circle around it, straight lines, or both. The distance from a wall is positive inside; the
 normal points inward and is the gradient of the distance.
 """
@@ -27,7 +27,7 @@ PLANE, INSIDE, OUTSIDE = 0, 1, -1
 
 
 class Surfaces(NamedTuple):
-    """K surfaces, and M openings in them. Rows have three columns; z is 0 in two dimensions."""
+    """Surfaces, K in number, with M openings in them. Rows have three columns; in 2D z is 0."""
 
     dimension: int
     kind: Integers
@@ -49,7 +49,7 @@ class Surfaces(NamedTuple):
 
 
 def planes(points: Any, normals: Any, velocities: Any = None) -> Surfaces:
-    """Planes through points; the normals, of any length, point to the particles. Moving planes have velocities."""
+    """Planes through points. Normals may have any length, and point to the particles. Moving planes have velocities."""
     through, normal = _rows(points, "points"), _rows(normals, "normals")
     _require_shape(normal, through, "normals", "points")
     lengths = np.linalg.norm(normal, axis=1)
@@ -300,8 +300,8 @@ class Entrance(NamedTuple):
 
 
 def entrance(walls: Surfaces, hole: int) -> Entrance:
-    """The entrance of an opening. Raises BadInput in a curved wall, and if the wall is not in the
-    opening's box.
+    """The entrance that an opening forms. Raises BadInput for a curved wall, and if the wall does not cross the box of
+    the opening.
 
     >>> from ecume.engine.walls import box, opening
     >>> door = entrance(opening(box((0, 0), (2, 1)), 0, (0.0, 0.2), (0.0, 0.6)), 0)
@@ -357,13 +357,13 @@ class Walls(NamedTuple):
 
 
 def no_walls() -> Walls:
-    """The open surface."""
+    """The walls of an open surface, which has none."""
     return Walls(math.inf, np.zeros((0, 2)), np.zeros(0))
 
 
 def enclosed_by(surfaces: Surfaces) -> Walls:
-    """The walls of a 2D shape, without surfaces that its inside does not reach. Raises BadInput if it is not convex, is
-    open, or does not contain the origin.
+    """The walls of a 2D shape, without surfaces that its inside does not touch. Raises BadInput if the shape is not
+    convex, is open, or does not contain the origin.
 
     >>> from ecume.engine.walls import box
     >>> enclosed_by(box((-2.0, -1.0), (2.0, 1.0))).offset.tolist()
@@ -386,8 +386,8 @@ SLIVER = 1e-9
 
 
 def _ends(walls: Walls) -> Array:
-    """The ends (K, 2) of each line's part of the edge, in m along the line from the point nearest to the origin,
-    counterclockwise: the second end is not beyond the first if the line is no part of the edge.
+    """The ends (K, 2) of the part of the edge on each line, in m along the line from its point nearest to the origin,
+    counterclockwise. The second end is not beyond the first if no part of the line belongs to the edge.
     """
     normal, offset, count = walls.normal, walls.offset, len(walls.offset)
     radius = walls.disc_radius
@@ -395,7 +395,7 @@ def _ends(walls: Walls) -> Array:
     alike, parallel = normal @ normal.T, np.abs(turn) <= SLIVER
     needed = offset[None] - offset[:, None] * np.where(parallel, np.sign(alike), alike)
     meets = needed / np.where(parallel, np.inf, -turn)
-    # Points inside of line j are at t >= meets where line j turns clockwise, and at t <= meets otherwise.
+    # Points inside line j are at t >= meets if line j turns clockwise, and at t <= meets otherwise.
     first = np.where(turn < -SLIVER, meets, -np.inf).max(axis=1, initial=-np.inf)
     last = np.where(turn > SLIVER, meets, np.inf).min(axis=1, initial=np.inf)
     if radius < math.inf:
@@ -437,7 +437,7 @@ def is_circle(walls: Walls, number: int) -> bool:
 def wall_distance(walls: Walls, number: int, x: float, y: float) -> tuple[float, float, float]:
     """The distance of the point (x, y) from wall `number`, positive inside, and the wall's inward normal there.
 
-    At the very center of a circle every direction leads to the wall; the first axis is taken.
+    At the center of a circle, where the direction is undefined, the first axis is used.
     """
     if walls.disc_radius < np.inf:
         if number == 0:
@@ -457,7 +457,7 @@ def clearances(walls: Walls, place: Any) -> list[float]:
 
 
 def shrunk(walls: Walls, by: float) -> Walls:
-    """The enclosure of the centers of discs of this radius (m)."""
+    """The enclosure for the centers of discs of this radius (m)."""
     return reached(Walls(walls.disc_radius - by, walls.normal, walls.offset + by))
 
 

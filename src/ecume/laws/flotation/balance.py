@@ -2,8 +2,8 @@
 
 Lengths are in capillary lengths L, weights in gamma L (for a lying cylinder per length: in gamma). A body's weight on a
 flat surface is that of the liquid it displaces; any further weight is carried by the slope of the surface at the
-contact line. The closure of the original project, a contact angle computed from the weight, is kept to reproduce its
-figures.
+contact line. The closure relation of the original project, which computes a contact angle from the weight, serves to
+reproduce its figures.
 """
 
 from __future__ import annotations
@@ -121,7 +121,7 @@ def greatest_load(load: Callable[[float], Load], limit: float) -> Load:
     for k in range(1, SCAN + 1):
         above = k * end / SCAN
         if load(above).change < 0.0:
-            # The load rises at the flat surface, but the first slope of the scan may be beyond the maximum.
+            # The load rises at the flat surface, but the first slope of the scan may already be beyond the maximum.
             start = below if below < above else 1e-3 * above
             return load(slope_of_greatest(load, start, above))
         below = above
@@ -129,11 +129,10 @@ def greatest_load(load: Callable[[float], Load], limit: float) -> Load:
 
 
 def slope_of_greatest(load: Callable[[float], Load], rising: float, falling: float) -> float:
-    """The slope angle of the greatest load, between one at which the load rises and one at which it
-    falls.
+    """The slope angle of the greatest load, between an angle at which the load rises and one at which it falls.
 
-    The zero of its derivative by false position, in the Illinois variant, to 1e-7 rad: at a maximum the error of the
-    load is of second order. (Importing SciPy's root finders would take longer than the solution.)
+    The zero of the derivative is found by false position, in the Illinois variant, to 1e-7 rad; at a maximum the error
+    of the load is of second order. (Importing SciPy's root finders would take longer than the solution.)
     """
     low, high = load(rising).change, load(falling).change
     psi, side = rising, 0
@@ -324,7 +323,7 @@ def sinking_density_ratio(bond_number: Number, contact_angle: Angle) -> Number:
 
 
 def _stable_load(bond_number: float, density_ratio: float, contact_angle: float) -> Load:
-    """The slope angle of equilibrium between the flat surface and the slope of the greatest load."""
+    """The load, and the slope angle of equilibrium between the flat surface and the slope of the greatest load."""
     neutral = neutral_density_ratio(contact_angle)
     limit = contact_angle if density_ratio > neutral else contact_angle - math.pi
     guess = _guess(bond_number, density_ratio, contact_angle, max(-STEEPEST, min(STEEPEST, limit)))
@@ -393,11 +392,11 @@ def closure_contact_angle(bond_number: Number, density_ratio: Number) -> Angle:
     """Contact angle that the original project derives from B and D. Raises BadInput without a
     solution.
 
-    phi_c = arcsin(pi B/2) = pi - theta + arctan(z'_c) put into its (13): (pi/2) tan(theta + phi_c) = Sigma(D,
-    theta), solved on the branch of slopes below 90 degrees. A root needs B <= 2/pi and tan(arcsin(pi B/2)) >= 4 D/(3
-    pi). Erratum of [canbraun2022, eq. 6 to 17]: a contact angle is a property of the materials, whatever the weight.
-    Its phi_c is the slope relation of a horizontal cylinder without the density; small spheres would be dry, where
-    in truth phi_c tends to pi - theta. Its (15) and (16) drop the factor pi/2, and its expansion (17) lacks
+    phi_c = arcsin(pi B/2) = pi - theta + arctan(z'_c) put into its (13): (pi/2) tan(theta + phi_c) = Sigma(D, theta),
+    solved on the branch of slopes below 90 degrees. A root needs B <= 2/pi and tan(arcsin(pi B/2)) >= 4 D/(3 pi).
+    Erratum of [canbraun2022, eq. 6 to 17]: a contact angle is a property of the materials, independent of the weight.
+    Its phi_c is the slope relation of a horizontal cylinder without the density; small spheres would be dry, whereas
+    phi_c actually tends to pi - theta. Its (15) and (16) drop the factor pi/2, and its expansion (17) lacks
     sin(theta)/3; here (13) itself is solved.
 
     >>> round(math.degrees(closure_contact_angle(bond_number=0.6, density_ratio=0.5)), 4)

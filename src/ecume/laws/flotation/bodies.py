@@ -12,7 +12,8 @@ from ecume.units import Acceleration, Angle, Density, Force, Length, Number, Sur
 
 @dataclass(frozen=True)
 class Liquid:
-    """A liquid under a gas or a second liquid: density, surface tension, viscosity, gravity; and those of the gas.
+    """A liquid under a gas or a second liquid: density, surface tension, viscosity and gravity, with density and
+    viscosity of the gas.
 
     >>> water = Liquid(density=1000.0, surface_tension=0.072, viscosity=1e-3)
     >>> round(water.capillary_length * 1e3, 3)
@@ -50,7 +51,7 @@ class Liquid:
 
     @property
     def share_above(self) -> Number:
-        """Fraction of that sum by the viscosity above."""
+        """Fraction of `viscosity_of_both` that belongs to the gas above."""
         return self.gas_viscosity / self.viscosity_of_both if self.gas_viscosity > 0.0 else 0.0
 
     @property
@@ -79,12 +80,13 @@ class Sphere:
 
 @dataclass(frozen=True)
 class Disc:
-    """A flat body whose contact line is pinned to its round rim: a thin disc, a cereal, a flat-bottomed cylinder.
+    """A flat body whose contact line is pinned to its round rim: a thin disc, a piece of cereal, a flat-bottomed
+    cylinder.
 
-    load: weight less the buoyancy of what lies below the rim's plane, positive downwards. tilting: whether the disc
-    may lean; if not it stays level. stability: kappa = (m g H + rho g V d) / (gamma L^2), with H the height of the
-    center of mass above the rim's plane, V and d the volume below it and the depth of its centroid; it makes a tall
-    disc lean more.
+    load: weight minus the buoyancy of the part below the plane of the rim, positive downwards. tilting: whether the
+    disc may tilt; otherwise it stays level. stability: kappa = (m g H + rho g V d) / (gamma L^2), with H the height of
+    the center of mass above the rim's plane, V and d the volume below it and the depth of its centroid; it makes a tall
+    disc tilt more.
 
     >>> Disc(radius=1.35e-3, load=2e-5).tilting
     True
@@ -231,7 +233,8 @@ class HorizontalCylinder:
 class Ellipsoid:
     """An ellipsoid with one axis upright: semi-axes along x, along y, and upright.
 
-    Its mean contact line is taken for that of the spheroid whose horizontal semi-axes are sqrt(a b): exact for a = b.
+    Its mean contact line is approximated by that of the spheroid whose horizontal semi-axes are sqrt(a b): exact for a
+    = b.
 
     >>> Ellipsoid(semi_axes=(2e-3, 1e-3, 1e-3), density=1100.0, contact_angle=1.2).semi_axes
     (0.002, 0.001, 0.001)

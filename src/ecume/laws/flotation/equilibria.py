@@ -84,7 +84,7 @@ def equilibrium(body: Body, liquid: Liquid, theory: str = "nonlinear") -> Equili
         raise BadInput(f"got {body!r}; expected a floating body: {', '.join(kind.__name__ for kind in FLOATING)}")
     found, length = FLOATING[type(body)](body, liquid, theory), liquid.capillary_length
     if not 0.0 <= found.filling_angle <= math.pi:
-        # The linear theories do not limit slopes, so that the contact line may be beyond the body.
+        # The linear theories do not limit slopes, so that the contact line may be beyond the end of the body.
         beyond, outcome, cure = ("top", "sinks", "lighter") if found.slope_angle > 0.0 else LEAVES
         raise FloaterSinks(
             f"by the {theory} theory the contact line would lie beyond the {beyond} of this {type(body).__name__}: it "
@@ -193,8 +193,8 @@ def surface_height(sphere: Sphere, distance: Lengths, liquid: Liquid, theory: st
 
     "closed-form" and "linear": h = -A K0(r/L), the contact line at R sin(theta) (R/100 at least). "nonlinear": the
     Young–Laplace profile, interpolated to 1e-7 of the charge (1e-2 at an upright neck). Inside the contact line, where
-    there is no surface, it is the height of the contact line (for an overhanging meniscus, that of its neck), so that a
-    picture has no hole. [vella2005].
+    there is no surface, it is the height of the contact line (for an overhanging meniscus, that of its neck), so that
+    pictures have no holes. [vella2005].
 
     >>> water = Liquid(density=1000.0, surface_tension=0.072, viscosity=1e-3)
     >>> surface_height(Sphere(1e-3, 1300.0, 1.5708), 3e-3, water) < 0
@@ -270,7 +270,7 @@ def superposition_excess(contact_angle: Angle, gap: Number) -> Number:
     """
     rim = 0.5 * math.sin(contact_angle) / (1.0 + gap)  # contact radius over the distance of the centers
     n = np.arange(1, MODES + 2)
-    # Lengths over that distance; a_n in rim^n, c_n in rim^-n.
+    # Lengths over that distance; a_n in units of rim^n, c_n of rim^-n.
     source = -(rim**n) / n
     mutual = np.array([[math.comb(m + k - 1, k) * rim ** (m + k) for m in n[:-1]] for k in n])
     answer = ((n - 1.0) / (n + 1.0))[:-1]

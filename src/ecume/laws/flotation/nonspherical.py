@@ -1,13 +1,13 @@
-"""Equilibria of floating bodies that are not spheres: discs, cylinders, ellipsoids and bubbles.
+"""Equilibria of floating bodies other than spheres: discs, cylinders, ellipsoids and bubbles.
 
 Lengths are in L, and weights in gamma L. Discs are pinned and standing cylinders have upright sides and sharp rims;
-ellipsoids have one axis upright and a mean contact line. Long cylinders that lie in the surface are two-dimensional,
-where everything is exact; their weights are in gamma.
+ellipsoids have one axis upright and a mean contact line. Long cylinders that lie in the surface are two-dimensional
+problems with exact solutions; their weights are in gamma.
 
-A gas bubble below the surface has a thin film with two surfaces on top: a spherical cap of radius 4/P at the bubble's
-pressure P. Below its rim the gas meets the liquid: d(phi)/ds = P + z - sin(phi)/r from the lowest point up. The outer
-surface begins at the rim. All three meet in one direction, since the film pulls with twice the tension of each of the
-others [princen1963].
+A gas bubble below the surface is covered by a thin film with two surfaces: a spherical cap of radius 4/P at the
+bubble's pressure P. Below the rim of the film the surface of the bubble obeys d(phi)/ds = P + z - sin(phi)/r, from its
+lowest point upwards. The outer surface of the liquid starts at the rim. All three surfaces have the same direction at
+the rim, since the tension of the film is twice that of each of the others [princen1963].
 """
 
 from __future__ import annotations
@@ -75,7 +75,7 @@ def cylinder_floating(cylinder: VerticalCylinder, liquid: Liquid, theory: str) -
     weight = base * height * (cylinder.density - liquid.gas_density) / liquid.density_difference
     line, charge = _side_surface(radius, side, theory)
     sine = math.sin(side) if theory == "nonlinear" else side
-    # The height of the bottom with the contact line on the side: buoyancy carries the rest of the weight.
+    # The height of the bottom for a contact line on the side: buoyancy carries the remaining weight.
     bottom = (2.0 * math.pi * radius * sine - weight) / base
     if line - height <= bottom <= line:
         return Floating(side, UPRIGHT, radius, line, bottom + 0.5 * height, charge)
@@ -255,7 +255,7 @@ def _guess(spheroid: Spheroid, limit: float) -> float:
 
 
 def _free_charge(spheroid: Spheroid, contact: Contact) -> float:
-    """The load that is unbalanced at a flat surface, over 2 pi."""
+    """The load that is not balanced at a flat surface, over 2 pi."""
     if contact.radius < 1e-12:
         raise BadInput(
             "the linear theories have no slope at a contact angle of 0 or 180 degrees; use the nonlinear theory"
@@ -378,7 +378,7 @@ def lying_pair_energy(distance: Lengths, charge_i: Length, charge_j: Length, liq
 
 
 def lying_pair_force(distance: Lengths, charge_i: Length, charge_j: Length, liquid: Liquid) -> LineForces:
-    """Force per length of two parallel lying cylinders, F = E/L; positive repels. See `lying_pair_energy`.
+    """Force per length between two parallel lying cylinders, F = E/L; positive repels. See `lying_pair_energy`.
 
     For two equal ones it is rho g h_m^2/2, h_m the height midway, where the surface is level. [nicolson1949].
 
@@ -489,7 +489,9 @@ def _found(radius: float) -> tuple[float, float]:
 
 
 def _carried_on(radius: float) -> tuple[float, float]:
-    """A guess from a smaller bubble: equal depth over radius, and equal curvature of the lowest point times radius."""
+    """A guess from a smaller bubble, with equal depth over radius, and equal curvature of the lowest point times
+    radius.
+    """
     smaller = radius / GROWTH
     pressure, depth = _found(smaller)
     deeper = depth * GROWTH
@@ -508,7 +510,7 @@ def _shape(pressure: float, depth: float) -> Shape:
 
 
 def _shot(pressure: float, depth: float) -> Any:
-    """The curve r, z, phi, and the volume with its moment, along the arc."""
+    """The curve r, z and phi, and the volume with its moment, along the arc."""
     from scipy.integrate import solve_ivp
 
     curvature = 0.5 * (pressure - depth)

@@ -1,14 +1,13 @@
-"""Menisci by the full Young–Laplace equation: at a straight contact line and around a floating
-body.
+"""Menisci by the full Young–Laplace equation: at a straight contact line, and around a floating body.
 
-Lengths are in L. The surface beside a straight line is two-dimensional, and exact.
+Lengths are in L. The surface at a straight line is two-dimensional, and its solution is exact.
 
 In lengths of L, with s the arc length, psi the surface's slope angle, z its height: dr/ds = cos psi, dz/ds = sin psi,
 dpsi/ds = z - sin(psi)/r [vella2005]. Two changes of variables make the problem smooth. With psi = a K1(r) and z = -b
 K0(r) a shallow meniscus has constant a = b, so only the nonlinear part has to be resolved; far away both are the
-capillary charge. And q = r + ln r grows as cos psi along tau, where ds = r/(1+r) dtau, so one unit of tau is a factor
-e in r near the body and one L far away. Chebyshev collocation in tau then gives ten digits with 40 nodes, and
-Newton's method converges from the linear solution, past the vertical too.
+capillary charge. The second variable q = r + ln r obeys dq/dtau = cos psi, where ds = r/(1+r) dtau, so that one unit of
+tau is a factor e in r near the body and one L far away. Chebyshev collocation in tau then gives ten digits with 40
+nodes. Newton's method converges from the linear solution, also beyond vertical slopes.
 """
 
 from __future__ import annotations
@@ -25,7 +24,7 @@ from ecume.units import Angle, Array, Number
 def sloping_height(slope_angle: Angle) -> Number:
     """Height of a straight contact line with a slope angle, z = -2 sin(psi/2).
 
-    psi is positive where the surface rises away from the line, which then lies low. [landau1987, par. 61].
+    psi is positive if the surface rises away from the line, whose height is then negative. [landau1987, par. 61].
 
     >>> round(sloping_height(-math.radians(60.0)), 12)
     1.0
@@ -91,7 +90,7 @@ def _collocation(nodes: int) -> tuple[Array, Array]:
 
 
 def _growth(unknowns: Array, scale: float) -> Array:
-    """The derivative d(a, b, q)/dtau, with a and b in units of `scale`."""
+    """The derivatives of (a, b, q) with respect to tau, with a and b in units of `scale`."""
     from scipy.special import k0e, k1e, wrightomega
 
     a, b, q = unknowns
@@ -138,7 +137,8 @@ def _linearized(unknowns: Array, scale: float, half: float) -> tuple[Array, Arra
 def _solved(jacobian: Array, right: Array) -> Array:
     """The linear solution, with q eliminated first.
 
-    LAPACK starts its threads at 100 unknowns; on a busy machine waiting for them costs a hundred times the arithmetic.
+    LAPACK uses threads from 100 unknowns on; on a busy machine, waiting for them takes a hundred times as long as the
+    arithmetic.
     """
     n = len(jacobian) // 3
     ab, q = slice(0, 2 * n), slice(2 * n, 3 * n)
@@ -164,8 +164,8 @@ def _newton(unknowns: Array, change: Array, scale: float, half: float) -> tuple[
 
 
 def refined(surface: OuterMeniscus, points: int = 401) -> tuple[Array, Array]:
-    """Radii and amplitudes of a meniscus at more points than nodes, with equal accuracy: both are
-    polynomials in tau.
+    """Radii and amplitudes of a meniscus at more points than nodes, with equal accuracy, since both are polynomials in
+    tau.
     """
     from numpy.polynomial import chebyshev
     from scipy.special import wrightomega

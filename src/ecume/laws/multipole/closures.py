@@ -2,15 +2,15 @@
 permanent ones.
 
 On the linearized surface every contact line is a circle as seen from above. Around it the height is the sum over m of
-the outgoing field of the body, A_m K_m(r) exp(i m phi), and the incoming field of all others, C_m I_m(r) exp(i m phi).
-In terms of the values at the contact line, alpha_m = A_m K_m(a) and c_m = C_m I_m(a), a round body responds mode by
-mode, alpha_m = S_m + T_m c_m: S is its source, the amplitude at a flat surface, and T its response. Lengths are in
-capillary lengths, forces in
-gamma L, energies in gamma L^2. Derived for this package from the balance of each body, as in [vassileva2005].
+the outgoing field of the body, A_m K_m(r) exp(i m phi), and the incoming field of all other bodies, C_m I_m(r) exp(i m
+phi). In terms of the values at the contact line, alpha_m = A_m K_m(a) and c_m = C_m I_m(a), a round body responds mode
+by mode, alpha_m = S_m + T_m c_m: S is its source, the amplitude at a flat surface, and T its response. Lengths are in
+capillary lengths, forces in gamma L, energies in gamma L^2. Derived for this package from the balance of each body, as
+in [vassileva2005].
 
-Bessel functions of all orders at once are scaled so that none overflows, whatever the order. K_m(x) grows like (m-1)!/2
-(2/x)^m and I_m(x) decays like (x/2)^m/m!. With a reference length s the ladders contain k_m = exp(x) K_m(x) (s/2)^m /
-m! and i_m = exp(-x) I_m(x) (2/s)^m m!, which are of order one for x near s. [watson1944].
+Bessel functions of all orders are scaled so that none overflows at any order. K_m(x) grows like (m-1)!/2 (2/x)^m and
+I_m(x) decays like (x/2)^m/m!. With a reference length s the arrays (ladders) contain k_m = exp(x) K_m(x) (s/2)^m / m!
+and i_m = exp(-x) I_m(x) (2/s)^m m!, which are of order one for x near s. [watson1944].
 """
 
 from __future__ import annotations
@@ -61,7 +61,7 @@ def regular_ladder(x: Number, reference: Number, values: Array) -> None:
     """
     last = len(values) - 1
     highest = math.exp(-x) * (x / reference) ** last
-    # Downward recurrence needs a highest value that is not subnormal.
+    # The highest value must not be subnormal, since the recurrence is downward.
     from_top = highest > TINY and last > 1
     for m in range(last - 1 if from_top else 0, last + 1):
         term, total = 1.0, 1.0
@@ -110,11 +110,11 @@ class Closure(NamedTuple):
 
 
 def disc_closure(disc: Disc, liquid: Liquid, order: int) -> Closure:
-    """Closure of a disc with a pinned rim: the contact line stays plane, and rises (and tilts) until forces (and
-    torques) balance.
+    """Closure of a disc with a pinned rim: the contact line stays plane; it rises, and tilts, until forces and torques
+    balance.
 
-    2 pi a s_0 - pi a^2 z = W;   2 pi a^2 s_1 - pi a^3 t_1/2 + 2 kappa t_1/a = 0 (t_1 = 0 when it stays level);
-    alpha_m + c_m = 0 for m > 1. s: slope modes of the ring, z and t_1: its height and lean, W: load, kappa: stability.
+    2 pi a s_0 - pi a^2 z = W;   2 pi a^2 s_1 - pi a^3 t_1/2 + 2 kappa t_1/a = 0 (t_1 = 0 when it stays level); alpha_m
+    + c_m = 0 for m > 1. s: slope modes of the ring, z and t_1: its height and tilt, W: load, kappa: stability.
 
     >>> water = Liquid(density=1000.0, surface_tension=0.072, viscosity=1e-3)
     >>> disc_closure(Disc(1e-3, 1e-5), water, 3).response[2:].tolist()

@@ -1,4 +1,4 @@
-"""Many bodies in SI units, also between walls: the interface of the multipole solver."""
+"""The interface of the multipole solver: many bodies in SI units, also between walls."""
 
 from __future__ import annotations
 

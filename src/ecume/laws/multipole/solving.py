@@ -7,14 +7,14 @@ Amplitudes are values at the contact lines, alpha_m = A_m K_m(a) and c_m = C_m I
 coefficients are then of equal magnitude, and the exponentials of the scaled functions combine to exp(-gap). Mirror
 images in plane walls are further sources. Positions are in capillary lengths.
 
-Fields of walls: mirror images in plane walls, and the reflection by a round dish. The field of the bodies, expanded
-around the center of the dish as K_p exp(i p theta), is reflected as I_p, with the factor -K_p'/I_p' if the wall keeps
-the contact angle and -K_p/I_p if it pins the contact line [watson1944].
+The fields of walls are mirror images in plane walls, and the reflection by a round dish. The field of the bodies,
+expanded around the center of the dish as K_p exp(i p theta), is reflected as I_p, with the factor -K_p'/I_p' for a
+constant contact angle and -K_p/I_p for a pinned contact line [watson1944].
 
 The amplitudes, alpha = S + T c(alpha), are solved for by elimination for few bodies, by GMRES for many. The response of
 a body to itself is in T, so that the matrix is 1 minus the coupling to others: GMRES [saad1986] needs few iterations
-unless rims nearly touch, and fewer from the solution of the previous step. Its criterion is the true residual, so that
-a converged solution does not change, to the bit.
+unless rims nearly touch, and fewer when it starts from the solution of the previous step. Its criterion is the true
+residual, so that a converged solution is not changed at all.
 """
 
 from __future__ import annotations
@@ -65,8 +65,8 @@ class Rims(NamedTuple):
 
 
 def make_rims(closures: list[Closure], reach: float, number: NDArray[np.int64] | None = None) -> Rims:
-    """Stack the closures of all bodies, all of one order; `number` is the closure of each body, if several have the
-    same.
+    """Combine the closures of all bodies, which have the same order; `number` is the closure of each body, if several
+    share one.
     """
     radius = np.array([closure.radius for closure in closures])
     chosen = np.arange(len(radius)) if number is None else np.asarray(number)
@@ -107,7 +107,7 @@ def receive(rims: Rims, pair: tuple[int, int], place: Array, turned: Waves, scra
     if gap > rims.range:
         return
     orders, received = len(turned), len(waves)
-    # Zero also for a gap within rounding: then no order is negligible.
+    # Also zero for a gap within rounding, for which no order is negligible.
     falls = math.log((rims.radius[i] + rims.radius[j]) / distance)
     most = int(NEGLIGIBLE / falls) if falls < 0.0 else 2 * orders
     most = max(4, min(most, 2 * orders))
@@ -134,7 +134,7 @@ def receive(rims: Rims, pair: tuple[int, int], place: Array, turned: Waves, scra
 
 @compiled
 def sent(amplitudes: Waves, mirror: Array, turned: Waves) -> None:
-    """The amplitudes of a body's image: phi -> pi - phi and phi -> -phi conjugate them, the former with (-1)^m."""
+    """The amplitudes of the image of a body: phi -> pi - phi and phi -> -phi conjugate them, the former with (-1)^m."""
     across, along = mirror[0] < 0.0, mirror[2] < 0.0
     for m in range(len(amplitudes)):
         wave = amplitudes[m] if across == along else amplitudes[m].conjugate()
@@ -175,7 +175,7 @@ def forces(rims: Rims, amplitudes: Waves, waves: Waves, force: Array) -> None:
         for m in range(1, orders):
             share = inverse[i, m] / regular[i, m - 1] * 0.5 * rims.reference / m
             total += share * amplitudes[i, m].conjugate() * waves[i, m - 1]
-        # The factors exp(a) of K and exp(-a) of I in the ladders cancel in their product.
+        # The factors exp(a) of K and exp(-a) of I in the ladders cancel in the product.
         force[i, 0], force[i, 1] = 2.0 * math.pi * total.real, 2.0 * math.pi * total.imag
 
 
@@ -260,8 +260,8 @@ def make_round_echoes(brim: float, waves: int, orders: int, reference: float, pi
 
 @compiled
 def waves_needed(echoes: Echoes, out: float, radius: float, orders: int) -> int:
-    """The number of orders of the round wall that contribute at this distance from the center; few, except near the
-    wall.
+    """The number of orders of the round wall that contribute at this distance from the center; it is small except near
+    the wall.
     """
     ratio = (out + radius) / echoes.brim
     if ratio >= 1.0:

@@ -1,8 +1,8 @@
 """The scene of the floating model: liquid, floats, dish, and the laws of their interaction.
 
-`scene.FloatingScene` is the whole; start there, with species and shapes. `surroundings` describes the liquid, the dish,
-currents, contacts and interactions, `barriers` the moving side of a dish, and `sources` reads floats from tables and
-other runs.
+Start with `scene.FloatingScene`, the whole scene, with species and shapes. `surroundings` describes the liquid, the
+dish, currents, contacts and interactions, `barriers` the moving side of a dish, and `sources` reads floats from tables
+and other runs.
 """
 
 from ecume.scenes.floating.barriers import BarrierSpec

@@ -1,6 +1,6 @@
 """The scene of the floating model, and its floats.
 
-The floats of a scene: a species at once or one by one, spheres or other shapes.
+Floats are spheres or other shapes, given as species or one by one.
 """
 
 from __future__ import annotations
@@ -118,7 +118,7 @@ THINNEST = 1e-4
 
 
 def fitting(shape: ShapeSpec, radius: Length) -> Complaints:
-    """The faults of a shape inside a circle of that radius."""
+    """The faults of a shape that does not fit into a circle of this radius."""
     if shape.width is not None and shape.width > 2.0 * radius:
         got = f"got {shape.width:g} m, more than the circle around it is wide, {2.0 * radius:g} m"
         return [(("shape", "width"), got)]
@@ -129,7 +129,9 @@ def fitting(shape: ShapeSpec, radius: Length) -> Complaints:
 
 @dataclass(frozen=True, kw_only=True, config=STRICT)
 class SurfaceEnergies:
-    """The energies of a float's surface against the gas and the liquid: Young's law makes the contact angle of them."""
+    """The energies of the surface of a float against the gas and the liquid, from which Young's law determines the
+    contact angle.
+    """
 
     solid_gas: Tension
     """The surface energy of the solid against the gas (J/m^2 = N/m). Effect: a larger value lowers the contact angle
@@ -164,7 +166,7 @@ class DiscSpec:
 
 @dataclass(frozen=True, kw_only=True, config=STRICT)
 class FloatSpec:
-    """Equal spheres, discs or other shapes, and where they start."""
+    """Equal spheres, discs or other shapes, and their initial positions."""
 
     name: Name = ""
     """The name of the species in frames, legends and exports; by default `float-1` and so on. Effect: none on the
@@ -303,7 +305,7 @@ class FloatRow:
 
 
 def _wetting(body: FloatSpec | FloatRow) -> Complaints:
-    """The faults unless exactly one key determines the contact angle."""
+    """The fault if not exactly one key determines the contact angle."""
     given = [body.contact_angle is not None, body.surface_energies is not None]
     if body.disc is not None or (body.shape is not None and body.shape.pinned):
         what = "disc" if body.disc is not None else str(body.shape and body.shape.kind)
@@ -319,7 +321,7 @@ def _wetting(body: FloatSpec | FloatRow) -> Complaints:
 
 
 def _figure(species: FloatSpec | FloatRow) -> Complaints:
-    """The faults unless a float is a disc or another shape that fits into its circle."""
+    """The fault if a float is neither a disc nor another shape that fits into its circle."""
     if species.shape is None:
         return []
     twice = [(("shape",), "got shape and disc; expected only one of them")] if species.disc is not None else []
@@ -327,7 +329,7 @@ def _figure(species: FloatSpec | FloatRow) -> Complaints:
 
 
 def _sizes(species: FloatSpec) -> Complaints:
-    """The faults of distributions of sizes or shares of the volume for floats that are not round."""
+    """The faults of size distributions, or of shares of the volume, for floats that are not round."""
     found = list_faults(species, species.count or len(species.positions) or len(species.radii))
     if species.sized and species.shape is not None:
         found.append((("shape",), "has one size; expected one radius, or rows with a shape each"))
@@ -339,14 +341,14 @@ def _sizes(species: FloatSpec) -> Complaints:
 
 
 def _layout(species: FloatSpec) -> Complaints:
-    """The faults unless there are as many positions as floats; lattices and rings require a length, and no other
-    placement has it.
+    """The faults if the number of positions differs from that of floats, if a lattice or a ring has no length, or if
+    another placement has one.
     """
     if len(species.velocities) not in (0, len(species.positions)):
         return [(("velocities",), f"got {len(species.velocities)}; there are {len(species.positions)} positions")]
     complaints: Complaints = []
     placed = "" if species.positions else species.placement
-    # Runs of former versions state the origin.
+    # Scenes of former versions contain the origin as the center.
     if species.center not in (None, (0.0, 0.0)) and placed in ("", "random"):
         complaints.append((("center",), 'means something only with placement = "lattice" or "ring", without positions'))
     for placement, key in (("lattice", "spacing"), ("ring", "ring_radius")):
@@ -441,7 +443,7 @@ class FloatingScene(Common):
 
     @property
     def rubs(self) -> bool:
-        """Whether any surface has friction."""
+        """Whether any surface has sliding friction."""
         return self.contacts.friction > 0.0 or (self.dish is not None and self.dish.friction > 0.0)
 
     @property
@@ -469,8 +471,8 @@ class FloatingScene(Common):
 
     @property
     def drag(self) -> str:
-        """The drag law: that of `hydrodynamics.drag`, or the default. It is no part of the scene, so that a changed
-        integrator changes it, too.
+        """The drag law: that of `hydrodynamics.drag`, or the default, which is not a part of the scene and therefore
+        may change with the integrator.
         """
         return default_drag(self) if self.hydrodynamics.drag is None else self.hydrodynamics.drag
 
@@ -498,9 +500,10 @@ class FloatingScene(Common):
 
 
 def default_drag(scene: FloatingScene) -> str:
-    """The drag law where a scene names none: by the Reynolds number where it can act, else Stokes's law.
+    """The drag law of a scene that does not name one: dependent on the Reynolds number where that is possible,
+    otherwise Stokes's law.
 
-    Slow floats have Stokes's drag with either.
+    For slow floats both give Stokes drag.
     """
     sways = scene.dish is not None and scene.dish.motion is not None
     viscous = scene.liquid.viscosity != 0.0 or scene.liquid.gas_viscosity > 0.0

@@ -30,7 +30,9 @@ MOST_MESSAGES = 20
 
 @dataclass(frozen=True, kw_only=True, config=STRICT)
 class RowDefaults:
-    """The single [[particles]] entry beside `particles_from`, which fills columns that are missing in the table."""
+    """The single [[particles]] entry that goes with `particles_from`; it fills columns that are missing in the
+    table.
+    """
 
     name: Name = ""
     radius: Radius | None = None
@@ -45,7 +47,7 @@ Faults = list[tuple[Path, str]]
 
 
 class Rows(NamedTuple):
-    """Rows as plain data, their origins, and the faults; `key` names the source."""
+    """Rows as plain data, their origins, and the faults; `key` is the name of the source."""
 
     key: str
     plain: list[dict[str, Any]]
@@ -96,7 +98,7 @@ def rows_from(raw: dict[str, Any], folder: Folder) -> Rows:
 
 
 def _few(messages: Sequence[str]) -> list[str]:
-    """The first messages and the number of others."""
+    """The first messages, and the number of the remaining ones."""
     left = len(messages) - MOST_MESSAGES
     return [*messages[:MOST_MESSAGES], *([f"and {left} more like these"] if left > 0 else [])]
 
@@ -170,8 +172,8 @@ def _from_run(raw: dict[str, Any], folder: Folder, name: str) -> Rows:
 
 
 def _changed(row: dict[str, Any], now: Mapping[str, Any]) -> dict[str, Any]:
-    """A float with other properties: a disc or a shape of the scene replaces that of the run, and a contact angle or
-    surface energies that of the run. An edge that pins the contact line has no contact angle.
+    """A float with changed properties. A disc or a shape of the scene replaces that of the run, and a contact angle or
+    surface energies that of the run. A float that is pinned at an edge has no contact angle.
     """
     body, wetting = {"disc", "shape"}, {"contact_angle", "surface_energies"}
     replaced = {*(body if body & now.keys() else ()), *(wetting if wetting & now.keys() or _is_pinned(now) else ())}
@@ -180,7 +182,7 @@ def _changed(row: dict[str, Any], now: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def _is_pinned(now: Mapping[str, Any]) -> bool:
-    """Whether a species states a body whose edge pins the contact line."""
+    """Whether a species has a body whose edge pins the contact line."""
     shape = now.get("shape")
     kind = shape.get("kind") if isinstance(shape, Mapping) else getattr(shape, "kind", None)
     return "disc" in now or kind in PINNED
@@ -216,7 +218,7 @@ def _rows_of_frame(frame: Frame, scene: Any) -> list[dict[str, Any]]:
 
 
 def _figures_of(scene: Any) -> list[dict[str, Any]]:
-    """The disc or the shape of each float of a scene; their angles are those of the frame."""
+    """The disc or the shape of each float of a scene. The angles are those of the frame."""
     found: list[dict[str, Any]] = []
     for given in (*scene.particles, *scene.rows):
         figure: dict[str, Any] = {}

@@ -52,7 +52,7 @@ EVEN = 1e-6
 
 
 def follow_current(raw: dict[str, Any], folder: Folder) -> Complaints:
-    """Put the flow of a table into `raw`; return its faults."""
+    """Replace the file of a flow in `raw` by the velocities of its table; return the faults of the file."""
     flow = raw.get("flow")
     if not isinstance(flow, dict) or TABLE not in flow:
         return []
@@ -95,9 +95,10 @@ def _require_even(axis: str, places: Sequence[float]) -> None:
 
 @dataclass(frozen=True, kw_only=True, config=STRICT)
 class NodesSpec:
-    """Velocities at the nodes of a regular grid, with linear interpolation; beyond the grid those at its edge.
+    """Velocities at the nodes of a regular grid, with linear interpolation; beyond the grid, the value at its edge
+    applies.
 
-    A file says `velocity_from = "table.csv"` instead, with the columns x, y, vx and vy.
+    In a file this is `velocity_from = "table.csv"`, with the columns x, y, vx and vy.
     """
 
     low: tuple[Coordinate, Coordinate]
@@ -231,7 +232,9 @@ class CellSpec:
 
 
 def _require_rubbing(surface: DishSpec | ContactSpec) -> None:
-    """Raise Inconsistent for rolling friction of surfaces that slide: nothing turns their floats."""
+    """Raise Inconsistent for rolling friction of surfaces without sliding friction, since nothing rotates their
+    floats.
+    """
     if surface.rolling_friction > 0.0 and surface.friction == 0.0:
         got = f"got {surface.rolling_friction:g} without friction, so that no contact turns a float"
         raise Inconsistent([(("rolling_friction",), f"{got}; expected friction above 0, or no rolling_friction")])
@@ -239,7 +242,7 @@ def _require_rubbing(surface: DishSpec | ContactSpec) -> None:
 
 @dataclass(frozen=True, kw_only=True, config=STRICT)
 class DishSpec:
-    """A dish around the origin. A scene without one is an endless surface."""
+    """A dish around the origin. A scene without a dish has an unbounded surface."""
 
     shape: LawName | None = None
     """The shape of the dish, such as `round`, `rectangle` or `polygon`; by default the one whose size is given. Effect:
@@ -293,7 +296,7 @@ class DishSpec:
 
 @dataclass(frozen=True, kw_only=True, config=STRICT)
 class LubricationSpec:
-    """Liquid between floats that resists being squeezed out, and drawn in."""
+    """The lubrication film between floats, which resists squeezing and separation."""
 
     roughness: Size
     """The gap below which the film no longer becomes thinner (m). Effect: smaller values slow down the last
@@ -340,7 +343,7 @@ class HydrodynamicsSpec:
 
     @property
     def resists(self) -> bool:
-        """Whether floats have drag."""
+        """Whether the liquid exerts drag on floats."""
         return self.drag != "none"
 
 
@@ -418,7 +421,7 @@ class WaveSourceSpec:
 
 @dataclass(frozen=True, kw_only=True, config=STRICT)
 class WavesSpec:
-    """Waves of floats that oscillate up and down, as on a vibrated bath."""
+    """Waves of floats that oscillate vertically, as on a vibrated bath."""
 
     frequency: Frequency
     """The frequency of the oscillation (1/s). Example: `"100 Hz"`. Effect: sets the wavelength, and with it the
@@ -446,7 +449,7 @@ class SurfactantSourceSpec:
 
 @dataclass(frozen=True, kw_only=True, config=STRICT)
 class SurfactantDropSpec:
-    """Surfactant that is at the surface at the start, such as a drop of soap."""
+    """Surfactant at the surface at the start, such as a drop of soap."""
 
     position: tuple[Coordinate, Coordinate]
     """The center of the drop (m). Example: `["0 mm", "0 mm"]`. Effect: floats move away from it."""

@@ -1,6 +1,6 @@
 """The scene of the soft model: spheres, the films between them, walls, and the protocol of deformation.
 
-`scene.SoftScene` is the whole; start there. `protocol` describes what is done over time.
+Start with `scene.SoftScene`, the whole scene. `protocol` describes the deformation over time.
 """
 
 from ecume.scenes.soft.protocol import OscillationSpec, RateStepsSpec, StageSpec, expanded

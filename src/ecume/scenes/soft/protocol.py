@@ -33,7 +33,7 @@ STRESS = ByDimension("N/m", "Pa")
 
 
 def stress(value: object) -> float:
-    """A stress in Pa, or in N/m for a layer. The dimension of the scene decides which; a plain number has no unit."""
+    """A stress in Pa, or in N/m for a layer, depending on the dimension of the scene; a plain number has no unit."""
     number = STRESS.number(value)
     if not abs(number) <= MOST_STRESS:
         raise ValueError(f"expected a number between {-MOST_STRESS:g} and {MOST_STRESS:g}")
@@ -65,7 +65,7 @@ class OscillationSpec:
 
 @dataclass(frozen=True, kw_only=True, config=STRICT)
 class RateStepsSpec:
-    """Shear rates one after the other, from the moment on, each up to the same strain: the steps of a flow curve."""
+    """Consecutive shear rates, from the moment on, each applied up to the same strain: the steps of a flow curve."""
 
     rates: Annotated[tuple[StrainRate, ...], Field(min_length=1)]
     """The shear rates in their order (1/s), none of them 0; the last one continues. Example: `[10.0, 1.0, 0.1]`.
@@ -157,7 +157,7 @@ STRESSES = ("shear_stress", "normal_stress", "pressure")
 
 
 def steps_of(stage: StageSpec) -> tuple[StageSpec, ...]:
-    """A moment as several moments with one shear rate each."""
+    """The moments that replace a moment with several shear rates, one for each rate."""
     steps = stage.rate_steps
     if steps is None:
         return (stage,)
@@ -167,7 +167,7 @@ def steps_of(stage: StageSpec) -> tuple[StageSpec, ...]:
 
 
 def expanded(stages: Sequence[StageSpec]) -> tuple[StageSpec, ...]:
-    """A protocol with each rate of `rate_steps` as a moment."""
+    """The protocol in which each rate of `rate_steps` is a moment."""
     return tuple(step for stage in stages for step in steps_of(stage))
 
 
@@ -177,7 +177,7 @@ def end_of(stage: StageSpec) -> float:
 
 
 def protocol_faults(stages: Sequence[StageSpec], dimensions: int, boxed: bool) -> Complaints:
-    """The faults of a protocol, one moment after the other."""
+    """The faults of a protocol, moment by moment."""
     found: Complaints = [
         ((index, "time"), f"got {later.time:g} s, before {earlier.time:g} s; expected times that ascend")
         for index, (earlier, later) in enumerate(itertools.pairwise(stages), 1)
@@ -199,7 +199,7 @@ def protocol_faults(stages: Sequence[StageSpec], dimensions: int, boxed: bool) -
 
 
 def _short_steps(stages: Sequence[StageSpec]) -> Complaints:
-    """The faults of moments before the rates of the previous moment end."""
+    """The faults of moments that begin before the rates of the previous moment end."""
     return [
         ((index, "time"), f"got {later.time:g} s; the rate_steps of the moment before end at {end_of(earlier):g} s")
         for index, (earlier, later) in enumerate(itertools.pairwise(stages), 1)
@@ -215,7 +215,7 @@ def _wrong_units(stage: StageSpec, dimensions: int) -> Complaints:
 
 
 def _unreachable(stages: Sequence[StageSpec]) -> Complaints:
-    """Faults of strains and scales after moments in which another quantity is controlled."""
+    """The faults of strains and scales in moments after one in which another quantity is controlled."""
     found: Complaints = []
     sheared, sized = "", ""
     for index, stage in enumerate(stages):

@@ -1,4 +1,4 @@
-"""The scene of the soft model: elastic spheres close together in a viscous liquid, walls, and the forces on them."""
+"""The scene of the soft model: elastic spheres close to contact in a viscous liquid, walls, and the forces on them."""
 
 from __future__ import annotations
 
@@ -47,8 +47,8 @@ SIDES: dict[str, tuple[int, float]] = {
 
 @dataclass(frozen=True, kw_only=True, config=STRICT)
 class WallSpec:
-    """A plane across an axis: it is fixed, moves with a given velocity, or follows a force. A box is not periodic along
-    the normals of walls.
+    """A plane wall normal to an axis, which is fixed, moves with a given velocity, or follows a force. A box is not
+    periodic along the normals of walls.
     """
 
     side: Side
@@ -163,7 +163,7 @@ class SoftLiquid:
 
 @dataclass(frozen=True, kw_only=True, config=STRICT)
 class SoftHydrodynamicsSpec:
-    """The forces of the liquid far away on moving spheres."""
+    """The drag of the surrounding liquid on moving spheres."""
 
     drag: Literal["none", "stokes"] = "none"
     """The drag of the surrounding liquid: `stokes` is 6 pi eta R per sphere, `none` leaves the films alone. Effect:
@@ -172,7 +172,7 @@ class SoftHydrodynamicsSpec:
 
 @dataclass(frozen=True, kw_only=True, config=STRICT)
 class PermeationSpec:
-    """The flow of the liquid through the packing, across walls with `drained`, and its pore pressure."""
+    """The flow of the liquid through the packing and through walls with `drained`, and its pore pressure."""
 
     law: LawName = "kozeny-carman"
     """The permeability: `kozeny-carman`, by the solid fraction of each layer, or `constant`. Effect: dense packings
@@ -251,7 +251,7 @@ class SphereSpec:
 
 @dataclass(frozen=True, kw_only=True, config=STRICT)
 class FilmSpec:
-    """Contacts: a film of liquid in series with the surfaces' elasticity."""
+    """The law of contacts: a film of liquid in series with elastic surfaces."""
 
     surface: LawName = "hertz"
     """The elasticity of the surfaces: `hertz` for elastic spheres, `bubble` for bubbles and drops. Effect: `bubble`
@@ -337,7 +337,7 @@ class LongRangeSpec:
 
 @dataclass(frozen=True, kw_only=True, config=STRICT)
 class CellSpec:
-    """A periodic box; Lees and Edwards's shear moves its copies above and below."""
+    """A periodic box. Under Lees-Edwards shear the copies above and below it move."""
 
     size: Sides
     """The sides of the periodic cell (m), one per dimension; with `volume_fraction` their proportions only. Effect:
@@ -352,8 +352,8 @@ class CellSpec:
 
 @dataclass(frozen=True, kw_only=True, config=STRICT)
 class PreparationSpec:
-    """The preparation of a random packing before time 0: isotropic compression, or between walls by one of them, then
-    relaxation until its forces are nearly constant. Loads, torques, gravity and the motion of walls begin at time 0.
+    """The preparation of a random packing before time 0: isotropic compression, or compression by a wall, followed by
+    relaxation until forces are nearly constant. Loads, torques, gravity and the motion of walls start at time 0.
     """
 
     volume_fraction: Filling | None = None
@@ -394,7 +394,7 @@ class IntegrationSpec:
 
 @dataclass(frozen=True, kw_only=True, config=STRICT)
 class SoftScene(Common):
-    """Soft spheres in a viscous liquid, so slow that inertia plays no part."""
+    """Soft spheres in a viscous liquid, with motion so slow that inertia is negligible."""
 
     model: Literal["soft"] = "soft"
     """The model: soft spheres with films between them, without inertia. Effect: selects the equations that are
@@ -434,7 +434,7 @@ class SoftScene(Common):
 
     @property
     def kinds(self) -> tuple[Kind, ...]:
-        """The species, each in the place that is its number in frames."""
+        """The species; the index of each is its number in frames."""
         return tuple(Kind(one.name or f"sphere-{index}", one.color) for index, one in enumerate(self.particles, 1))
 
     @model_validator(mode="after")
@@ -452,7 +452,7 @@ class SoftScene(Common):
 
 
 def sides_of(scene: SoftScene) -> tuple[float, ...]:
-    """The sides of the box at scale 1 (m), from the volume fraction, after a preparation from its own; empty without a
+    """The sides of the box at scale 1 (m), from the volume fraction, or that of the preparation; empty without a
     box.
     """
     if scene.cell is None:
@@ -480,14 +480,16 @@ def first_fraction(scene: SoftScene) -> float:
 
 
 def tension_law_of(scene: SoftScene) -> str:
-    """The tension law of a scene: the given one, or that of packings in a cell and of clusters without."""
+    """The tension law of a scene: the given one, otherwise the default of packings in a cell, or that of clusters
+    without a cell.
+    """
     if scene.films.tension_law is not None:
         return scene.films.tension_law
     return "symmetric" if scene.cell is None else "gap"
 
 
 def dimensions_of(scene: SoftScene) -> int:
-    """The number of dimensions: 2 for a layer, 3 for a packing in 3D, from the box or the first position."""
+    """The number of dimensions, from the box or the first position: 2 for a layer, 3 for a packing in 3D."""
     if scene.cell is not None:
         return len(scene.cell.size)
     return next((len(position) for species in scene.particles for position in species.positions), 2)
@@ -539,7 +541,9 @@ DENSEST_LAYER = {2: 1.0, 3: 0.9}
 
 
 def _rough(scene: SoftScene) -> Complaints:
-    """The faults of glued spheres: without their wall, in a liquid that drags them, or more than have room on it."""
+    """The faults of glued spheres: without the wall, in a liquid with drag, or more spheres than there is room on the
+    wall.
+    """
     found: Complaints = []
     given = [(index, one) for index, one in enumerate(scene.particles) if one.glued is not None]
     dimensions, sides = dimensions_of(scene), sides_of(scene)
@@ -591,7 +595,9 @@ def _protocol(scene: SoftScene) -> Complaints:
 
 
 def _preparation(scene: SoftScene) -> Complaints:
-    """The faults of a preparation: without a periodic cell, of the wrong unit, or to a size that is not the first."""
+    """The faults of a preparation: without a periodic cell, with a wrong unit, or to a size that is not the initial one
+    of the protocol.
+    """
     spec = scene.preparation
     if spec is None:
         return []
@@ -615,7 +621,7 @@ def _preparation(scene: SoftScene) -> Complaints:
 
 
 def _unpressed(scene: SoftScene, spec: PreparationSpec) -> str:
-    """The reason why no wall can compress a packing; empty without one."""
+    """The reason why no wall can compress a packing; empty if one can."""
     if spec.pressure is None:
         return "to a volume fraction shortens all sides of a cell; between walls expected preparation.pressure"
     pressed = [wall for wall in scene.walls if wall.pressure is not None]
@@ -627,7 +633,7 @@ def _unpressed(scene: SoftScene, spec: PreparationSpec) -> str:
 
 
 def _permeation(scene: SoftScene) -> Complaints:
-    """The faults of a permeation: without the walls that it needs, or where no flow is possible."""
+    """The faults of a permeation: without the required walls, or where no flow is possible."""
     ends = [(index, wall) for index, wall in enumerate(scene.walls) if wall.drained is not None]
     if scene.permeation is None:
         cause = "is that of a packing with [permeation]; add that table"

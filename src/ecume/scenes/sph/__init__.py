@@ -1,7 +1,7 @@
 """The scene of the SPH model: a liquid, its tank, solids, and the method of the computation.
 
-`scene.SphScene` is the whole; start there. `tank` describes sides and gauges, `motions` what is moved,
-`solids` obstacles, bodies and passive particles, and `sources` reads liquid from tables, outlines and other runs.
+Start with `scene.SphScene`, the whole scene. `tank` describes sides and gauges, `motions` prescribed motions, `solids`
+obstacles, bodies and passive particles, and `sources` reads liquid from tables, outlines and other runs.
 """
 
 from ecume.scenes.sph.motions import BaseExcitationSpec, BodyMotionSpec, MotionSpec

@@ -20,7 +20,7 @@ Turn = Annotated[Angle, Field(ge=-1e6, le=1e6)]
 
 @dataclass(frozen=True, kw_only=True, config=STRICT)
 class MotionSpec:
-    """The motion of a side along its axis: a sine, or a table of times and positions with straight lines between."""
+    """The motion of a side along its axis: a sine, or a table of times and positions with linear interpolation."""
 
     amplitude: Coordinate | None = None
     """The amplitude of a sine that starts at 0 (m). Effect: larger strokes make higher waves."""
@@ -41,7 +41,9 @@ class MotionSpec:
 
 @dataclass(frozen=True, kw_only=True, config=STRICT)
 class BaseExcitationSpec:
-    """The acceleration in the frame of a shaken tank, beside gravity: minus the tank's own."""
+    """The inertial acceleration in the frame of a shaken tank, in addition to gravity: minus the acceleration of the
+    tank.
+    """
 
     amplitude: Pull | None = None
     """The amplitude of a sinusoidal acceleration (m/s^2). Effect: sloshing grows in proportion to it, while it is
@@ -66,7 +68,7 @@ class BaseExcitationSpec:
 
 @dataclass(frozen=True, kw_only=True, config=STRICT)
 class BodyMotionSpec:
-    """The path of a body: uniform, a sine, or a table of times with straight lines between. The body is translated, and
+    """The path of a body: uniform, a sine, or a table of times with linear interpolation. The body is translated, and
     rotated about a pivot that moves with it.
     """
 
@@ -130,7 +132,7 @@ class BodyMotionSpec:
         return self
 
     def dimension_faults(self, dimension: int) -> Complaints:
-        """Vectors that do not fit the tank."""
+        """The faults of vectors whose dimension differs from that of the tank."""
         rows = {"velocity": self.velocity, "amplitude": self.amplitude, "pivot": self.pivot}
         rows["positions"] = next((row for row in self.positions if len(row) != dimension), None)
         found: Complaints = [

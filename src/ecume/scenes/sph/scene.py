@@ -84,9 +84,9 @@ class RheologySpec:
 
 @dataclass(frozen=True, kw_only=True, config=STRICT)
 class FluidSpec:
-    """The liquid as a material. By default `name` and `temperature` set its properties; without a name it is inviscid
-    and has 1000 kg/m^3. A name sets properties only: surface tension, no-slip walls and the artificial viscosity have
-    keys of their own.
+    """The properties of the liquid. By default `name` and `temperature` determine them; without a name the liquid is
+    inviscid and has 1000 kg/m^3. Surface tension, no-slip walls and the artificial viscosity are switched on by
+    separate keys.
     """
 
     name: Name = ""
@@ -128,7 +128,7 @@ class FluidSpec:
 
     @property
     def sticks(self) -> bool:
-        """Whether walls are no-slip by default: where the scene gives a viscosity."""
+        """Whether walls are no-slip by default, which is the case if the scene gives a viscosity."""
         return bool(self.viscosity) or self.rheology is not None
 
 
@@ -168,7 +168,7 @@ class SecondLiquidSpec:
 
     @property
     def alone(self) -> FluidSpec:
-        """The same properties as those of a first liquid; its surface tension is that of the interface."""
+        """The same properties as a `FluidSpec`; its surface tension is that of the interface."""
         return FluidSpec(
             name=self.name, temperature=self.temperature, density=self.density, viscosity=self.viscosity,
             surface_tension=self.interface_tension, sound_speed=self.sound_speed, tait_exponent=self.tait_exponent,
@@ -177,7 +177,7 @@ class SecondLiquidSpec:
 
 @dataclass(frozen=True, kw_only=True, config=STRICT)
 class RegionSpec(ShapeSpec):
-    """A part of space that is full of liquid at the start. Exactly one shape.
+    """A region that is full of liquid at the start, given by exactly one shape.
 
     In a file it may also be `particles_from = "TABLE.csv"` or `outline_from = "FILE"` (STL in 3D, DXF in 2D).
     """
@@ -208,7 +208,7 @@ class RegionSpec(ShapeSpec):
 
 @dataclass(frozen=True, kw_only=True, config=STRICT)
 class CentralForceSpec:
-    """A pull towards a point that grows with the distance: acceleration - rate^2 (x - center)."""
+    """A force towards a point that is proportional to the distance: acceleration - rate^2 (x - center)."""
 
     angular_frequency: Annotated[AngularVelocity, Field(gt=0.0, le=1e6)]
     """The angular frequency w of a lone particle in the force -m w^2 (x - center) (rad/s). Effect: the force grows
@@ -219,7 +219,7 @@ class CentralForceSpec:
 
 @dataclass(frozen=True, kw_only=True, config=STRICT)
 class MethodSpec:
-    """The method of solution. The defaults are those that keep a tank at rest best."""
+    """The method of solution. With the defaults, a tank at rest remains at rest with the smallest errors."""
 
     pressure: LawName = "tait"
     """How the pressure is computed: `tait`, from the density of a weakly compressible liquid; or `incompressible`, by
@@ -353,7 +353,7 @@ class SphScene(Common):
 
     @property
     def numbers(self) -> frozenset[str]:
-        """The names of the numbers of pressure gauges and level gauges."""
+        """The names of the numbers of pressure and level gauges."""
         single = [(gauge, measure) for gauge in self.gauges for measure in gauge.quantities if measure != "velocity"]
         return frozenset(f"{name}_{measure}" for gauge, measure in single for name in gauge.names)
 
@@ -374,7 +374,7 @@ class SphScene(Common):
 
     @property
     def solid_labels(self) -> tuple[str, ...]:
-        """Obstacles and bodies as messages call them: by their names, otherwise by their places in the file."""
+        """The labels of obstacles and bodies in messages: their names, otherwise their places in the file."""
         tables: list[tuple[str, Solids]] = [("obstacles", self.obstacles), ("bodies", self.bodies)]
         return tuple(spec.name or f"{table}[{n}]" for table, specs in tables for n, spec in enumerate(specs))
 
@@ -432,7 +432,7 @@ LEAST_SIDE, LEAST_BODY = 0.5, 0.1
 
 
 def _too_thin(scene: SphScene) -> Complaints:
-    """The faults of tanks and bodies that are far smaller than the distance of particles."""
+    """The faults of tanks and bodies that are much smaller than the particle spacing."""
     found: Complaints = []
     for axis, (low, high) in zip("xyz", zip(scene.tank.low, scene.tank.high, strict=True), strict=False):
         if high - low < LEAST_SIDE * scene.spacing:
@@ -492,7 +492,7 @@ def _steps(scene: SphScene) -> Complaints:
 
 
 def _second_liquid_faults(scene: SphScene) -> list[tuple[Path, str]]:
-    """Faults of one of two liquids without regions, and of regions without it."""
+    """The faults of a second liquid without regions, and of regions of a second liquid that is not described."""
     regions = [index for index, region in enumerate(scene.fluid) if region.liquid == "second"]
     if scene.second_liquid is None:
         return [(("fluid", index, "liquid"), "there is no [second_liquid]; write the table") for index in regions]
@@ -502,7 +502,7 @@ def _second_liquid_faults(scene: SphScene) -> list[tuple[Path, str]]:
 
 
 def _rheology_faults(scene: SphScene) -> list[tuple[Path, str]]:
-    """Faults of options without a law for liquids whose viscosity depends on the rate of strain."""
+    """The faults of options that have no law for liquids whose viscosity depends on the rate of strain."""
     if scene.liquid.rheology is None:
         return []
     complaints: list[tuple[Path, str]] = [

@@ -1,6 +1,6 @@
 """Regions of space, and the contents of a tank: obstacles, bodies and passive particles.
 
-Passive particles, which the liquid carries without being moved by them: tracers, and grains that settle.
+Passive particles, which the liquid carries without reaction, are tracers, and grains that settle.
 """
 
 from __future__ import annotations
@@ -89,7 +89,7 @@ class ShapeSpec:
     `["0 m", "20 cm", "0 m"]`. Effect: turns a sphere into a cylinder of this length."""
 
     def _further(self) -> dict[str, bool]:
-        """Other ways to specify a shape, and whether they are used."""
+        """The other ways to specify a shape, and whether each is used."""
         return {}
 
     @model_validator(mode="after")
@@ -161,9 +161,7 @@ def _side(start: Array, end: Array, point: Array) -> Array:
 
 @dataclass(frozen=True, kw_only=True, config=STRICT)
 class ObstacleSpec(ShapeSpec):
-    """Something solid that stands in the tank. In a file it may also be `outline_from = "FILE"` (STL in 3D, DXF in
-    2D).
-    """
+    """A solid obstacle in the tank. In a file it may also be `outline_from = "FILE"` (STL in 3D, DXF in 2D)."""
 
     name: SolidName = ""
     """The name of the obstacle in numbers of frames, figures and messages; by default `obstacle0`, `obstacle1` and
@@ -240,12 +238,14 @@ Solids = Sequence[ObstacleSpec | BodySpec]
 
 
 def solid_names(solids: Solids, kind: str) -> tuple[str, ...]:
-    """The names of obstacles or bodies in numbers of frames: those given, otherwise `obstacle0`, `obstacle1` ..."""
+    """The names of obstacles or bodies in numbers of frames: the given ones, otherwise `obstacle0`, `obstacle1` ..."""
     return tuple(solid.name or f"{kind}{index}" for index, solid in enumerate(solids))
 
 
 def name_faults(solids: Sequence[tuple[str, Solids]], gauges: Sequence[str]) -> list[tuple[Path, str]]:
-    """The faults of names of solids that frames, gauges or other solids have; `solids` are tables with their name."""
+    """The faults of names of solids that frames, gauges or other solids already use; `solids` are tables with their
+    names.
+    """
     found: list[tuple[Path, str]] = []
     used = dict.fromkeys(gauges, "a gauge")
     for table, specs in solids:
@@ -266,7 +266,7 @@ Schmidt = Annotated[Number, Field(gt=0.0, le=1e3)]
 
 @dataclass(frozen=True, kw_only=True, config=STRICT)
 class PassiveTracerSpec:
-    """Particles that go with the liquid: at given places, or so many at random in a box."""
+    """Particles that move with the liquid, at given positions or a number of random ones in a box."""
 
     positions: tuple[Place, ...] = ()
     """The initial position of each tracer (m), instead of `count`. Effect: replaces the random positions."""
@@ -307,7 +307,7 @@ class PassiveTracerSpec:
 
 
 def passive_tracer_faults(tracers: tuple[PassiveTracerSpec, ...], tank: Any, turbulence: str) -> list[tuple[Path, str]]:
-    """Positions outside of the tank, and eddies in a scene without turbulence."""
+    """The faults of positions outside the tank, and of eddies in a scene without turbulence."""
     found: list[tuple[Path, str]] = []
     for index, spec in enumerate(tracers):
         for place in (*spec.positions, *(corner for corner in (spec.low, spec.high) if corner is not None)):

@@ -83,7 +83,7 @@ AXES = "xyz"
 
 
 def follow_sources(raw: dict[str, Any], folder: Folder) -> Complaints:
-    """Insert the contents of the scene's sources into `raw`. Returns their faults."""
+    """Insert the contents of the files that a scene names into `raw`. Returns their faults."""
     faults: Complaints = []
     if RUN in raw:
         given = raw.pop(RUN)
@@ -123,7 +123,7 @@ def _tank_from(raw: dict[str, Any], folder: Folder) -> Complaints:
         sign = 1.0 if first else -1.0
         ends = [end(values) + sign * pad for values, pad in zip(zip(*points, strict=True), pads, strict=False)]
         tank.setdefault(key, ends)
-    # Behind the others, so that those keep their numbers of the file in names and messages.
+    # Appended to the others, so that those have the same numbers in the file, in names and in messages.
     faults = _also_called_tank(raw)
     drawn = {"name": "" if faults else "tank", **basin, "hollow": True}
     raw["obstacles"] = [*raw.get("obstacles", []), drawn]
@@ -131,7 +131,7 @@ def _tank_from(raw: dict[str, Any], folder: Folder) -> Complaints:
 
 
 def _also_called_tank(raw: Mapping[str, Any]) -> Complaints:
-    """The faults of solids with the name of a drawn tank."""
+    """The faults of solids that have the name of a drawn tank."""
     solids = [(name, n, one) for name in ("obstacles", "bodies") for n, one in enumerate(raw.get(name, []))]
     message = "got 'tank', the name of the drawn tank; choose another"
     return [
@@ -148,7 +148,7 @@ UNITLESS = {
 
 
 def drawn_sizes(raw: Mapping[str, Any], scene: Any) -> list[tuple[str, str, str]]:
-    """The sizes of drawings whose unit the plain data of a scene's file omit: key, size, remark."""
+    """The sizes of drawings without a unit in the scene or the file: key, size, remark."""
     tank, found = raw.get("tank", {}), list[tuple[str, Mapping[str, Any], Any]]()
     if isinstance(tank, dict) and OUTLINE in tank:
         found.append(("tank", tank, scene.obstacles[-1]))
@@ -243,8 +243,8 @@ def _from_file(raw: dict[str, Any], given: object, folder: Folder) -> Complaints
 
 
 def _require_straight_box(raw: Mapping[str, Any], start: Any) -> None:
-    """Raise Inconsistent where a tilted box is that of a tank which is periodic along y or z: the images of particles
-    across such a side are shifted along x. Those across x are not.
+    """Raise Inconsistent for a tilted box in a tank that is periodic along y or z: images across such a side are
+    shifted along x. Images across x are not shifted.
     """
     from ecume.scenes.starts import ALIKE, periods_of
 
@@ -257,7 +257,7 @@ def _require_straight_box(raw: Mapping[str, Any], start: Any) -> None:
 
 
 def _length(said: object) -> object:
-    """A value in meters, if it is a length."""
+    """A given value in meters, if it is a length."""
     from ecume.units import parse
 
     try:
@@ -320,8 +320,8 @@ def _triangles(content: bytes, unit: object) -> list[Any]:
 
 
 def _single(faces: Any) -> Any:
-    """Flags of the faces (T, 3) that make the surface: of equal ones the first; none of two that face one another, as
-    where bodies touch, and none that are lines.
+    """Flags of the faces (T, 3) of the surface. Of equal faces only the first remains; opposite faces, as where bodies
+    touch, and degenerate ones are removed.
     """
     turns = np.argmin(faces, axis=1)[:, None] + np.arange(3)
     first, one, other = np.take_along_axis(faces, turns % 3, axis=1).T
@@ -335,7 +335,7 @@ def _single(faces: Any) -> Any:
 
 
 def _is_closed(faces: Any) -> bool:
-    """Whether a surface has no border: each edge of a face is that of another one, in the other direction."""
+    """Whether a surface is closed: each edge of a face also belongs to another face, in the opposite direction."""
     ends = np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]])
     ways = np.where(ends[:, 0] < ends[:, 1], 1, -1)
     edge = np.unique(np.sort(ends, axis=1), axis=0, return_inverse=True)[1].ravel()
@@ -347,7 +347,9 @@ STL_HEAD, STL_TRIANGLE = 84, 50
 
 
 def _fault_of_stl(content: bytes) -> str:
-    """Why the bytes are no complete STL file; empty for a file of the right size, or of text with an end."""
+    """The reason why the bytes are not a complete STL file; empty for a file of the correct size, or a text with an
+    end.
+    """
     count = int.from_bytes(content[STL_HEAD - 4 : STL_HEAD], "little")
     if len(content) >= STL_HEAD and len(content) == STL_HEAD + STL_TRIANGLE * count:
         return "" if count else "it has no triangles"
@@ -361,7 +363,7 @@ def _fault_of_stl(content: bytes) -> str:
 
 
 def _turned(mesh: Any) -> Any:
-    """The faces (T, 3), with those reversed that run around the other way than most of the piece they belong to."""
+    """The faces (T, 3); those whose orientation differs from that of most of their piece are reversed."""
     faces, neighbors = mesh.faces.tolist(), dict[int, list[tuple[int, bool]]]()
     for (one, other), (a, b) in zip(mesh.face_adjacency.tolist(), mesh.face_adjacency_edges.tolist(), strict=True):
         agrees = _runs(faces[one], a, b) != _runs(faces[other], a, b)
@@ -415,7 +417,7 @@ Line = list[tuple[float, float]]
 
 
 def _joined(lines: list[Line]) -> list[Line]:
-    """The closed outlines among lines: those that are closed, and chains of others whose ends meet in pairs."""
+    """The closed outlines among lines: closed lines, and chains of other lines whose ends meet in pairs."""
     if not lines:
         return []
     reach = MEETING * _size(list(itertools.chain.from_iterable(lines)))
@@ -444,7 +446,7 @@ def _joined(lines: list[Line]) -> list[Line]:
 
 
 def _nodes(places: Line, reach: float) -> list[int]:
-    """The number of the point at which each end is; ends within reach of one another have the same."""
+    """The index of the point at which each end lies; ends within reach of each other have the same point."""
     from scipy.sparse import coo_array
     from scipy.sparse.csgraph import connected_components
     from scipy.spatial import cKDTree
@@ -457,7 +459,7 @@ def _nodes(places: Line, reach: float) -> list[int]:
 
 def _drawing(ezdxf: Any, content: bytes) -> Any:
     """The drawing in the bytes of a DXF file, text or binary."""
-    with tempfile.TemporaryDirectory() as folder:  # the library detects the encoding of files only
+    with tempfile.TemporaryDirectory() as folder:  # the library detects the encoding only of files
         copy = Folder(folder) / "outline.dxf"
         copy.write_bytes(content)
         return ezdxf.readfile(str(copy))

@@ -20,7 +20,7 @@ Measure = Literal["pressure", "hydrostatic_pressure", "dynamic_pressure", "absol
 
 @dataclass(frozen=True, kw_only=True, config=STRICT)
 class GaugeSpec:
-    """A probe at a place, or a row of them along a line. It reads zero while it is dry."""
+    """A probe at a position, or a row of probes along a line. The reading is zero while the probe is dry."""
 
     name: GaugeName
     """The name of the gauge. Its numbers are `name_pressure`, `name_velocity_x` and so on, `name_level`; in a row
@@ -55,13 +55,13 @@ class GaugeSpec:
 
     @property
     def names(self) -> tuple[str, ...]:
-        """The name of the gauge, or of each in its row."""
+        """The name of the gauge, or of each gauge in its row."""
         count = 0 if self.end is None else self.count or 2
         return tuple(f"{self.name}_{number}" for number in range(1, count + 1)) or (self.name,)
 
 
 def gauge_faults(gauges: Sequence[GaugeSpec], tank: TankSpec) -> Complaints:
-    """The faults of gauges outside of the tank, or with equal names."""
+    """The faults of gauges outside the tank, and of equal names."""
     found: Complaints = []
     names = [gauge.name for gauge in gauges]
     for index, gauge in enumerate(gauges):
