@@ -33,7 +33,7 @@ class Box(NamedTuple):
 
     @property
     def volume(self) -> float:
-        """m^d. Raises BadInput where an axis is open."""
+        """The volume (m^d). Raises BadInput if an axis is open."""
         if not self.closed:
             raise BadInput("only a box that is periodic along each axis has a volume")
         return float(np.prod(self.sides))
@@ -82,7 +82,7 @@ def nearest(between: Array, box: Box | None) -> Array:
 
 
 def _in_sides(along: Array, sides: Array) -> Array:
-    """A length over the side of the box; zero along an axis without a period."""
+    """The ratio of a length to the side of the box; zero along an axis without a period."""
     return np.asarray(np.divide(along, sides, out=np.zeros_like(along), where=sides > 0.0))
 
 
@@ -113,7 +113,7 @@ def wrapped(position: Array, box: Box) -> Array:
 
 
 def _beside(move: Integers, box: Box) -> Integers:
-    """The same row of copies, counted from the copy that is now next to the box."""
+    """The same rows of copies with their new numbers: zero is the row that is now next to the box."""
     straight = move.copy()
     if box.strain != 0.0:
         straight[0] -= round(box.strain * box.sides[1] * move[1] / box.sides[0])

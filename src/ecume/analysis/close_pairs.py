@@ -15,7 +15,7 @@ from ecume.units import Array, Force, Length
 
 
 class Near(NamedTuple):
-    """Pairs of particles, each once."""
+    """Pairs of particles, each listed once."""
 
     pairs: Integers
     """(C, 2)"""
@@ -35,7 +35,7 @@ class Distribution(NamedTuple):
 
     @property
     def middles(self) -> Array:
-        """(B,) m, of the bins on a logarithmic scale"""
+        """The centers of the bins on a logarithmic scale, (B,) m."""
         return np.asarray(np.sqrt(self.edges[1:] * self.edges[:-1]))
 
 
@@ -60,7 +60,7 @@ def near_pairs(frame: Frame, reach: Length, box: Box | None = None) -> Near:
 
 
 def _once(pairs: Integers, gap: Array) -> Near:
-    """Each pair with its narrowest gap."""
+    """Each pair only once, with its narrowest gap."""
     order = np.lexsort((gap, pairs[:, 1], pairs[:, 0]))
     pairs, gap = pairs[order], gap[order]
     first = np.ones(len(pairs), bool)
@@ -78,7 +78,7 @@ def films(frame: Frame) -> Near:
 
 
 class ContactTable(NamedTuple):
-    """All contacts between spheres in a frame, a row each; forces act on the first sphere of a pair."""
+    """All contacts between spheres in a frame, with a row each; forces act on the first sphere of a pair."""
 
     pairs: Integers
     """(C, 2)"""
@@ -94,7 +94,7 @@ class ContactTable(NamedTuple):
 
     @property
     def force(self) -> Array:
-        """The force on the first sphere (C, d) N."""
+        """The force on the first sphere, (C, d) N."""
         return np.asarray(self.normal_force + self.tangential_force)
 
 
@@ -109,7 +109,7 @@ def contact_table(frame: Frame) -> ContactTable:
 
 
 def gap_distribution(gap: Array, bins: int = 30, span: tuple[Length, Length] | None = None) -> Distribution:
-    """The distribution of ln(gap): of those that are positive, between the ends of `span`.
+    """The distribution of ln(gap), for positive gaps between the ends of `span`.
 
     >>> found = gap_distribution(np.geomspace(1e-6, 1e-2, 4001), bins=4)
     >>> (found.density * np.log(10.0)).round(2).tolist()
@@ -122,7 +122,7 @@ def gap_distribution(gap: Array, bins: int = 30, span: tuple[Length, Length] | N
     if not low < high:
         low, high = low / 1.1, high * 1.1
     edges = np.geomspace(low, high, bins + 1)
-    edges[0], edges[-1] = low, high  # exactly, so that the least and the largest are inside
+    edges[0], edges[-1] = low, high  # set exactly, so that the smallest and the largest gap are inside
     counts = np.histogram(gap, edges)[0]
     weight = max(int(counts.sum()), 1) * np.diff(np.log(edges))
     return Distribution(edges, counts / weight, np.sqrt(counts) / weight)
@@ -133,8 +133,8 @@ def coordination(
 ) -> Array:
     """The number of neighbors of each particle, (N,).
 
-    `gap`: with a gap narrower than this, by the films of a frame if it contains them. `force`: whose film presses
-    with more than this force; for frames of soft spheres.
+    `gap`: count neighbors with a narrower gap, from the films of a frame if it contains them. `force`: count neighbors
+    whose film exerts a larger repulsive force, in frames of soft spheres.
     """
     if (gap is None) == (force is None):
         raise BadInput("a neighbor is one that is closer than a gap, or presses with more than a force: give one")

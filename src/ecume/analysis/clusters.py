@@ -1,4 +1,4 @@
-"""Clusters of floats that touch: rafts, the topologies of their contacts, and transitions between those."""
+"""Clusters of floats in contact: rafts, the topologies of their contacts, and transitions between topologies."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ Integers = NDArray[np.int64]
 
 
 class Clusters(NamedTuple):
-    """The assignment of floats to clusters; a float that touches no other is a cluster of one."""
+    """The assignment of floats to clusters; an isolated float is a cluster of one."""
 
     labels: Integers
     """The cluster of each float, numbered from 0; -1 for a particle that has left."""
@@ -53,7 +53,7 @@ def touching_pairs(
     """
     lengths = np.zeros(position.shape[1]) if period is None else np.maximum(np.asarray(period, dtype=float), 0.0)
     wrapped = np.where(lengths > 0, np.mod(position, np.where(lengths > 0, lengths, 1.0)), position)
-    # The tree requires 0 <= x < L, but the modulus of a tiny negative number is rounded up to L.
+    # The tree requires 0 <= x < L, but the remainder of a tiny negative number is rounded up to L.
     wrapped = np.where((lengths > 0) & (wrapped >= lengths), 0.0, wrapped)
     if len(position) < 2:
         return np.empty((0, 2), dtype=np.int64)
@@ -68,7 +68,7 @@ def touching_pairs(
 
 
 def touching_clusters(frame: Frame, *, tolerance: float = TOLERANCE, period: Sequence[float] | None = None) -> Clusters:
-    """The clusters of one instant; `period` is by default that of the frame's box, unless it is sheared.
+    """The clusters of one instant; by default, `period` is that of the box of the frame, unless it is sheared.
 
     >>> arrays = {"position": np.array([[0.0, 0.0], [2.0, 0.0], [9.0, 0.0]]), "radius": np.ones(3)}
     >>> touching_clusters(Frame(0.0, arrays, {}, {})).sizes.tolist()
@@ -86,7 +86,7 @@ def touching_clusters(frame: Frame, *, tolerance: float = TOLERANCE, period: Seq
 
 
 def components(pairs: Integers, count: int) -> Clusters:
-    """The connected parts of the graph whose edges are these pairs, of `count` floats."""
+    """The connected components of the graph of `count` floats with these pairs as edges."""
     edges: Any = coo_array((np.ones(len(pairs), dtype=np.int8), (pairs[:, 0], pairs[:, 1])), shape=(count, count))
     clusters, found = connected_components(edges, directed=False)
     labels: Integers = np.asarray(found, dtype=np.int64)
@@ -101,7 +101,7 @@ def mean_raft(clusters: Clusters) -> float:
 
 
 def shares_by_size(clusters: Clusters, edges: Sequence[int]) -> Array:
-    """The share of the floats that are in clusters of edges[k] to edges[k + 1] - 1 floats; the last class has no end.
+    """The fractions of floats in clusters of edges[k] to edges[k + 1] - 1 floats; the last class has no upper limit.
 
     >>> shares_by_size(Clusters(np.array([0, 0, 0, 1]), np.array([3, 1])), [1, 2, 4]).tolist()
     [0.25, 0.75, 0.0]
@@ -154,8 +154,8 @@ def _codes(neighbors: Neighbors, colors: list[int]) -> Counter[int]:
     """The adjacency of each numbering that the search reaches, as one integer, with its number of
     occurrences.
 
-    Colors are refined until floats of one color have the same numbers of neighbors of each color. A float of the first
-    color that several share then gets a separate color, each of them in turn. Numberings with the same adjacency
+    Colors are refined until floats of one color have the same numbers of neighbors of each color. Then each float of
+    the first color that several share gets a separate color, one after the other. Numberings with the same adjacency
     differ by an automorphism.
     """
     colors = _refined(neighbors, colors)
@@ -222,10 +222,10 @@ def frequencies(frames: Iterable[Frame], floats: int, *, tolerance: float = TOLE
 
 
 def rigid_weight(position: Lengths, pairs: Integers) -> Number:
-    """The weight of a rigid cluster of equal spheres with short-ranged contacts in 2D, among those with as many
-    contacts: sqrt(I/(l^2 det' K))/sigma with the moment of inertia I of the centers, their distance l in contact, the
-    stiffness matrix K for unit springs along contacts, det' its product of eigenvalues but the three of rigid motions,
-    and the symmetry number sigma [perry2015].
+    """The weight of a rigid cluster of equal spheres with short-ranged contacts in 2D, among clusters with as many
+    contacts: sqrt(I/(l^2 det' K))/sigma, where I is the moment of inertia of the centers, l the distance of centers in
+    contact, K the stiffness matrix for unit springs along contacts, det' the product of the eigenvalues except the
+    three of rigid motions, and sigma the symmetry number [perry2015].
 
     `position`: (N, 2) of touching spheres. Raises BadInput where the cluster is not rigid.
     """
@@ -261,13 +261,15 @@ class Transitions(NamedTuple):
 
     @property
     def probabilities(self) -> Array:
-        """(S, S): the probability of the column's state at the next instant; 0 for states without a successor."""
+        """The probability of the state of the column at the next instant, (S, S); 0 for states without a successor."""
         total = self.counts.sum(axis=1, keepdims=True)
         return np.asarray(np.divide(self.counts, total, out=np.zeros(self.counts.shape), where=total > 0))
 
     @property
     def currents(self) -> Integers:
-        """(S, S): net changes from the row's state to the column's; zero on average in equilibrium."""
+        """The net numbers of changes from the state of the row to that of the column, (S, S); zero on average in
+        equilibrium.
+        """
         return np.asarray(self.counts - self.counts.T)
 
 
@@ -285,11 +287,11 @@ def entropy_production(sequences: Sequence[Sequence[Hashable]], every: float, bl
     """The entropy production rate of steady sequences of states at distances of `every` seconds (k_B/s).
 
     The rate is the sum over pairs of states of the net current times ln(n_ij/n_ji), with the numbers n_ij of changes
-    [schnakenberg1976]. It is a lower bound: what the states do not resolve is not counted. The product of a
-    current and a ratio from the same changes is positive even in equilibrium. Therefore each sequence is cut into
+    [schnakenberg1976]. It is a lower bound, since changes that the states do not resolve are not included. The product
+    of a current and a ratio from the same changes is positive even in equilibrium. Therefore each sequence is cut into
     blocks, and the current of each block is multiplied by the ratio, with 1/2 added to each count, of all others. In
-    equilibrium the mean is zero if blocks are longer than the memory of the sequences. The error is that of the mean
-    over blocks; one block suffices where there are several independent sequences.
+    equilibrium the mean is zero if blocks are longer than the correlation time of the sequences. The error is that of
+    the mean over blocks; one block suffices where there are several independent sequences.
     """
     if blocks * len(sequences) < 2 or any(len(each) < 4 * blocks for each in sequences):
         raise BadInput(
@@ -310,7 +312,7 @@ def entropy_production(sequences: Sequence[Sequence[Hashable]], every: float, bl
 
 
 class Cycle(NamedTuple):
-    """A cycle of three states and the net number of its turns."""
+    """A cycle of three states, and its net number of turns."""
 
     states: tuple[str, str, str]
     turns: float
@@ -320,7 +322,7 @@ class Cycle(NamedTuple):
 
 
 def cycles(found: Transitions) -> list[Cycle]:
-    """The cycles of three states, in the direction of their net currents; most turns first."""
+    """The cycles of three states, in the direction of their net currents, in descending order of turns."""
     net, counts = found.currents, found.counts + 0.5
     triples = []
     for a in range(len(net)):

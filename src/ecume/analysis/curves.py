@@ -1,4 +1,4 @@
-"""Measured curves with errors: their branches where the argument rises and falls, and where two of them differ most."""
+"""Measured curves with errors: branches of rising and falling argument, and the largest difference of two curves."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from ecume.units import Array
 
 
 class Curve(NamedTuple):
-    """Means over an argument."""
+    """Mean values as a function of an argument."""
 
     at: Array
     """(P,) the argument"""
@@ -24,7 +24,7 @@ class Curve(NamedTuple):
 
 
 class Difference(NamedTuple):
-    """Where two curves differ most, relative to their errors."""
+    """The point where two curves differ most, relative to their errors."""
 
     at: float
     """the argument"""
@@ -35,8 +35,8 @@ class Difference(NamedTuple):
 
 
 def largest_difference(first: Curve, second: Curve) -> Difference:
-    """The largest difference of two curves among the arguments that both have, in standard errors. Raises BadInput
-    without such arguments.
+    """The largest difference of two curves, in standard errors, among their common arguments. Raises BadInput without
+    common arguments.
 
     >>> one, two = (Curve(np.array([1.0]), (Mean(value, 0.3),)) for value in (2.0, 3.0))
     >>> largest_difference(one, two)._replace(errors=0.0)
@@ -64,12 +64,12 @@ class Branch(NamedTuple):
 
     @property
     def places(self) -> range:
-        """The indices of its values."""
+        """The range of indices of the values."""
         return range(self.first, self.last + 1)
 
 
 def branches(values: Sequence[float]) -> list[Branch]:
-    """The rising and falling parts of a sequence, in order; a value that repeats the one before turns nothing.
+    """The rising and falling parts of a sequence, in order; equal consecutive values do not start a new part.
 
     >>> [(one.rises, one.first, one.last) for one in branches([1.0, 2.0, 5.0, 2.0, 1.0])]
     [(True, 0, 2), (False, 2, 4)]

@@ -1,8 +1,8 @@
 """Dispersion of particles: displacements, residence times, breakthrough, concentration, deposition.
 
-Functions of the frames of a run. Errors are standard errors: of groups of particles for moments, of counts otherwise.
-Particles count while they are inside. `dataset` makes a dataset of xarray in which each particle is a trajectory, by
-the CF conventions.
+All functions read the frames of a run. Errors are standard errors: of groups of particles for moments, of counts
+otherwise. Particles are included while they are inside. `dataset` makes a dataset of xarray in which each particle is a
+trajectory, by the CF conventions.
 """
 
 from __future__ import annotations
@@ -39,8 +39,9 @@ class Course(NamedTuple):
 
 
 def _paths(frames: Frames) -> Array:
-    """Tracks (T, N, d) of the particles that are there in all frames. Where some enter later, displacements of all by
-    the number of frames since they entered, NaN from their exit on. Raises BadInput for fewer than two particles.
+    """Tracks (T, N, d) of the particles that are inside in all frames. If particles enter later, displacements of all
+    particles by the number of frames since they entered, NaN after their exit. Raises BadInput for fewer than two
+    particles.
     """
     paths = tracks(frames)
     there = np.isfinite(paths).all(axis=2)
@@ -54,7 +55,7 @@ def _paths(frames: Frames) -> Array:
 
 
 def _since_entering(paths: Array, entered: Any, instants: Array) -> Array:
-    """Displacements by the number of frames since each particle entered, as long as two are inside."""
+    """Displacements by the number of frames since each particle entered, as long as at least two are inside."""
     intervals = np.diff(instants)
     if not np.allclose(intervals, intervals[0], rtol=1e-6):
         raise BadInput("particles enter during the run, and intervals between frames differ; expected equal ones")
@@ -74,7 +75,9 @@ def _mean(values: Array) -> Array:
 
 
 def _of_groups(values: Array, measure: Any) -> tuple[Array, Array]:
-    """A measure of (T, N, ...) over particles, and its error from groups of them, each with early and late ones."""
+    """A measure of (T, N, ...) over particles, and its error from groups of particles, each of which contains early and
+    late ones.
+    """
     groups = min(GROUPS, values.shape[1] // 2)
     parts = np.array([measure(values[:, group::groups]) for group in range(groups)])
     spread = parts.std(axis=0, ddof=1) if len(parts) > 1 else np.full_like(parts[0], np.nan)
@@ -82,9 +85,9 @@ def _of_groups(values: Array, measure: Any) -> tuple[Array, Array]:
 
 
 def displacements(frames: Frames, *, without_drift: bool = False) -> Course:
-    """The mean square displacement since the first frame along each axis, (T, d) in m^2; `without_drift` less the
-    square of the mean one. Of the particles that are inside in all frames; where some enter later, of all, over the
-    time since they entered, as long as they are inside.
+    """The mean square displacement since the first frame along each axis, (T, d) in m^2; with `without_drift` minus the
+    square of the mean displacement. It includes the particles that are inside in all frames. If particles enter later,
+    it includes all as long as they are inside, as a function of the time since they entered.
     """
 
     def measure(way: Array) -> Array:
@@ -96,15 +99,16 @@ def displacements(frames: Frames, *, without_drift: bool = False) -> Course:
 
 
 def _shift(frames: Frames, paths: Array) -> float:
-    """The time (s) of the first frame where paths begin when particles enter, at 0; otherwise 0."""
+    """The time (s) of the first frame, or 0 if particles enter and paths begin at their entry."""
     return frames[0].time if len(frames) and not paths[0].any() else 0.0
 
 
 def dispersion_coefficient(frames: Frames, axis: int = 0) -> Course:
-    """Half the rate at which the variance along an axis grows (m^2/s), at the middles between frames; in the end the
-    dispersion coefficient of Taylor and Aris in a channel. Of the particles that are inside in all frames: where some
-    leave, those are the slow ones, and only the frames before the first exit say how a pulse spreads. Where particles
-    enter during the run, of displacements over the time since they entered, of those inside at both ends of a time.
+    """Half the rate at which the variance along an axis grows (m^2/s), at the middle between frames; at long times, the
+    dispersion coefficient of Taylor and Aris in a channel. It includes the particles that are inside in all frames. If
+    some leave, the remaining ones are slow, and only the frames before the first exit describe the spreading of a
+    pulse. If particles enter during the run, displacements are functions of the time since they entered, for particles
+    inside at both ends of an interval.
     """
     if len(frames) < 2:
         raise BadInput("the rate of dispersion needs two frames or more")
@@ -121,7 +125,7 @@ def dispersion_coefficient(frames: Frames, axis: int = 0) -> Course:
 
 
 class Residence(NamedTuple):
-    """The residence times of particles that have left; entry and exit are taken as half-way between frames."""
+    """The residence times of particles that have left; entry and exit are assumed halfway between frames."""
 
     times: Array
     """(n,) s"""
@@ -142,7 +146,7 @@ def residence_times(frames: Frames) -> Residence:
         entered[there] = between
         gone = ~inside(frame)
         fresh = np.flatnonzero(gone & np.isnan(left[: len(gone)]))
-        left[fresh] = between if k else -np.inf  # these left before the first frame
+        left[fresh] = between if k else -np.inf  # they left before the first frame
     stayed = (left - entered)[np.isfinite(left)]
     error = float(stayed.std(ddof=1) / np.sqrt(len(stayed))) if len(stayed) > 1 else float("nan")
     mean = float(stayed.mean()) if len(stayed) else float("nan")
@@ -179,7 +183,7 @@ def _sticking_walls(frame: Frame) -> list[int]:
 
 
 def deposited(frame: Frame, wall: int | None = None) -> Flags:
-    """Flags (N,) of the particles that adhere to a sticking wall, or to any."""
+    """Flags (N,) of the particles that adhere to a sticking wall; by default, to any such wall."""
     walls = _sticking_walls(frame)
     openings = _openings(frame)
     if wall is not None and wall not in walls:
@@ -189,14 +193,14 @@ def deposited(frame: Frame, wall: int | None = None) -> Flags:
 
 
 def present(frame: Frame) -> Flags:
-    """Flags (N,) of the particles that are inside or on a wall that holds them: those that pictures show. Frames
-    without a record of what has left have all.
+    """Flags (N,) of the particles that are inside or stick to a wall, which pictures show. In frames without a record
+    of particles that left, all flags are set.
     """
     return inside(frame) | deposited(frame) if "left" in frame.arrays else inside(frame)
 
 
 class Deposition(NamedTuple):
-    """Particles on walls, by place."""
+    """The number of particles on walls, by position."""
 
     edges: Array
     """m"""
@@ -212,14 +216,16 @@ def deposition(frame: Frame, edges: Array, axis: int = 0, wall: int | None = Non
 
 
 class Efficiency(NamedTuple):
-    """The fraction of particles that a collector holds."""
+    """The fraction of particles that a collector retains."""
 
     value: float
     error: float
 
 
 def collector_efficiency(frame: Frame, wall: int | None = None, species: int | None = None) -> Efficiency:
-    """Deposited particles over all that are deposited or have left, of all or of one species, by its number."""
+    """The number of deposited particles over that of all that are deposited or have left, for all particles or for one
+    species by its number.
+    """
     own = np.full(len(frame.arrays["left"]), True) if species is None else frame.arrays["species"] == species
     held, gone = int((deposited(frame, wall) & own).sum()), int((~inside(frame) & own).sum())
     if not gone:
@@ -229,9 +235,9 @@ def collector_efficiency(frame: Frame, wall: int | None = None, species: int | N
 
 
 def dataset(frames: Frames) -> Any:
-    """The paths as a dataset of xarray with the dimensions `trajectory` and `obs`, to be written as NetCDF by the CF
-    conventions; NaN where a particle is not inside, except on walls that hold it. `left` says by flags where each
-    particle is. Times are seconds since 1970-01-01. Raises BadInput without xarray.
+    """The paths as a dataset of xarray with the dimensions `trajectory` and `obs`, for NetCDF files by the CF
+    conventions. Positions are NaN where a particle is neither inside nor on a sticking wall; the flags `left` describe
+    its location. Times are seconds since 1970-01-01. Raises BadInput without xarray.
     """
     try:
         import xarray
@@ -268,7 +274,7 @@ NOT_YET = -2
 
 
 def _flags(frame: Frame) -> dict[str, Any]:
-    """The values of `left` in datasets, and what they mean, by the CF conventions."""
+    """The values of `left` in datasets, and their meanings, by the CF conventions."""
     holes = [f"left_through_opening_{m}" for m in range(_openings(frame))]
     walls = [f"on_wall_{wall}" for wall in _sticking_walls(frame)]
     meanings = ["not_yet_entered", "inside", *holes, *walls]

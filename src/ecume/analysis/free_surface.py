@@ -1,4 +1,4 @@
-"""The free surface of a liquid of particles: its front, its height in columns, and the particles at it."""
+"""The free surface of a liquid of particles: its front, its height in columns, and its particles."""
 
 from __future__ import annotations
 
@@ -24,8 +24,8 @@ TOGETHER = 1.6
 
 
 def front_position(frame: Frame, spacing: Length, *, below: Length = np.inf, up: Up = "y") -> float:
-    """The largest x of the liquid (m), measured at its edge; separate drops do not count. Only the part below the
-    height `below` is included.
+    """The largest x of the liquid (m), measured at its edge and without separate drops. Only the part below the height
+    `below` is included.
     """
     position = frame.arrays["position"]
     near = largest_piece(position, spacing) & (position[:, AXES.index(up)] < below)
@@ -94,7 +94,8 @@ def walls_of(tank: TankSpec, up: Up = "y") -> Walls:
 def free_surface(frame: Frame, spacing: Length, walls: Walls | None = None) -> list[Array]:
     """The outline of a liquid in 2D as lines, (K, 2) each, in m; a closed one ends where it begins.
 
-    A contour of the kernel's sum, at one half. The liquid is mirrored at walls, so that no line runs along them.
+    The outline is the contour at one half of the sum of the kernel. The liquid is mirrored at walls, so that no outline
+    runs along them.
     """
     position = frame.arrays["position"]
     if position.shape[1] != 2:
@@ -117,7 +118,7 @@ def mirrored(frame: Frame, walls: Walls, reach: Length) -> Frame:
     position = frame.arrays["position"].T
     images = images_of(position, sides, reach)
     source = images.source.copy()
-    # An image may be the image of an image: each is followed back to its particle.
+    # An image may be the image of an image; each is traced back to its particle.
     while (late := source >= position.shape[1]).any():
         source[late] = source[source[late] - position.shape[1]]
     arrays = {name: np.concatenate([array, array[source]]) for name, array in frame.arrays.items()}

@@ -28,7 +28,7 @@ def points_along(start: Sequence[float], end: Sequence[float], count: int) -> Ar
 
 
 def filled(frame: Frame, points: Array, reach: Length) -> Array:
-    """The filled fraction of each point's surroundings: 1 inside, 1/2 at a surface or a wall, 0 outside."""
+    """The filled fraction of the surroundings of each point: 1 inside, 1/2 at a surface or a wall, 0 outside."""
     return added(*_near(frame, points, reach))
 
 
@@ -46,7 +46,7 @@ def linear_values_at(frame: Frame, name: str, points: Array, reach: Length) -> A
     """An array of the frame at points, by linear fits to the neighbors: exact for linear fields, up to walls and
     surfaces.
 
-    With too few neighbors for a gradient, the mean of `values_at`.
+    With too few neighbors for a gradient, it is the mean of `values_at`.
     """
     return planes(*_near(frame, points, reach), _array_of(frame, name))
 
@@ -55,7 +55,7 @@ def wall_pressure(frame: Frame, sensor: Array, reach: Length) -> float:
     """The reading of a pressure sensor in a wall (Pa): the mean over its face, `sensor` being points on it (n, d).
 
     Zero where the face is dry; liquid that has not arrived exerts no pressure. A frame does not contain the walls, so
-    that points near few particles count as covered; gauges of a scene know which part of a point is covered.
+    that points near few particles count as covered; gauges of a scene include the covered part of each point.
     """
     found = _near(frame, np.atleast_2d(sensor), reach)
     pressure = planes(*found, _array_of(frame, "pressure"))
@@ -66,8 +66,8 @@ def water_level(frame: Frame, places: Array, reach: Length) -> Array:
     """The depth of the water above each place of the floor (m): the volume of liquid over the area
     of the floor.
 
-    Places are (n,) along x in 2D, (n, 2) along x and z in 3D (y points up). Air bubbles do not count as water. Nearer
-    to a wall than `reach`, water is missed that the wall cuts off.
+    Places are (n,) along x in 2D, (n, 2) along x and z in 3D (y points up). Air bubbles do not count as water. Closer
+    to a wall than `reach`, the depth is too small, since the wall cuts off a part of the kernel.
     """
     position = frame.arrays["position"]
     level = np.delete(position, 1, axis=1)

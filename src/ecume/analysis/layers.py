@@ -15,7 +15,7 @@ from ecume.units import Array
 
 
 class Layers(NamedTuple):
-    """Layers between the bottom and the top, each with the means over frames and their standard errors."""
+    """Layers between the bottom and the top, with means over frames and their standard errors."""
 
     height: Array
     """(C,) m above the bottom: the middle of each layer"""
@@ -52,7 +52,7 @@ def ends_of(frame: Frame) -> tuple[float, float, bool]:
 def layers(frames: Sequence[Frame], count: int = 12) -> Layers:
     """The profiles over the height, of frames of a steady flow that are evenly spaced in time.
 
-    A sphere counts in each layer by the volume that it has there, so that the mean over layers is the volume fraction.
+    Each sphere contributes to a layer by its volume in it, so that the mean over layers is the volume fraction.
     """
     if not frames:
         raise BadInput("a profile takes a frame or more; got none")
@@ -67,7 +67,7 @@ def layers(frames: Sequence[Frame], count: int = 12) -> Layers:
 
 
 def _in_layers(frame: Frame, count: int) -> Array:
-    """(2, C): the volume fraction of each layer, and this times the velocity along x."""
+    """The volume fraction of each layer, and this times the velocity along x, (2, C)."""
     bottom, top, periodic = ends_of(frame)
     position, radius = frame.arrays["position"], frame.arrays["radius"]
     dimensions, height = position.shape[1], top - bottom

@@ -12,7 +12,7 @@ from ecume.trajectories.frame import Frame
 
 def with_pressures(scene: Any) -> Callable[[Frame], Frame]:
     """A function that adds `hydrostatic_pressure`, `dynamic_pressure` and `absolute_pressure` (Pa) to frames of a tank.
-    Frames of other models stay as they are; two liquids have no hydrostatic pressure of one density.
+    Frames of other models are unchanged; two liquids have no hydrostatic pressure of a single density.
 
     >>> import ecume, numpy as np
     >>> scene = ecume.from_plain({"model": "sph", "duration": 0.1, "frame_every": 0.1, "spacing": 0.1,

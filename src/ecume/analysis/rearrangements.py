@@ -1,14 +1,13 @@
 """Rearrangements of packings: neighbors by triangulation, T1 events, and non-affine motion.
 
-Neighbors in 2D by the radical triangulation, which is Delaunay's where all radii are equal. A point belongs to the
-disc whose tangent to it is the shortest; two discs are neighbors where their regions share a border. Discs that touch
-without overlapping are always neighbors, however unequal they are, which is not so in Delaunay's triangulation of
+In 2D, neighbors follow from the radical triangulation, which is Delaunay's for equal radii. A point belongs to the disc
+with the shortest tangent from this point; two discs are neighbors if their regions share a border. Discs that touch
+without overlapping are always neighbors for any ratio of radii, which does not hold in the Delaunay triangulation of
 their centers. [gellatly1982].
 
-T1 events: two neighbors part, and two others, that both had for neighbors, meet between them. In 2D every particle's
-region borders on others, and the number of borders is fixed: neighbors change by swaps. Where four regions nearly
-meet in a point the borders flicker; so a pair counts as parted only when the pair that takes its place has a border
-that is not short, and as long as no border is, nothing has happened.
+T1 events: two neighbors separate, and two others, which were neighbors of both, meet between them. In 2D the number of
+borders is fixed, so that neighbors change by such swaps. If four regions nearly meet in a point, the borders fluctuate;
+therefore a pair counts as separated only when the pair that replaces it has a border that is not short.
 """
 
 from __future__ import annotations
@@ -45,8 +44,8 @@ class Neighbors(NamedTuple):
 def neighbors_of(frame: Frame, box: Box | None = None) -> Neighbors:
     """The neighbors in a 2D frame of any model; without radii all particles count as equal.
 
-    The box is that of the frame, if it has one. Two particles that meet in several copies count once, with their
-    longest border: the box should be more than four spacings wide.
+    The box is that of the frame, if it has one. Two particles that are neighbors in several copies count once, with
+    their longest border: the box should be more than four spacings wide.
     """
     position = frame.arrays["position"]
     if position.shape[1] != 2:
@@ -56,7 +55,7 @@ def neighbors_of(frame: Frame, box: Box | None = None) -> Neighbors:
 
 
 def radical_neighbors(position: Array, radius: Array, box: Box | None = None) -> Neighbors:
-    """The pairs of neighbors among discs. They are edges of the lower hull of (x, y, x^2 + y^2 - r^2)."""
+    """The pairs of neighbors among discs, which are the edges of the lower hull of (x, y, x^2 + y^2 - r^2)."""
     count = len(position)
     margin = 0.0 if box is None else MARGIN * _spacing(position, box)
     around = copies(position, box, margin)
@@ -147,27 +146,29 @@ class Swaps(NamedTuple):
 
     @property
     def times(self) -> Array:
-        """(K,) s"""
+        """The times of the events, (K,) s."""
         return np.array([event.time for event in self.events])
 
     @property
     def durations(self) -> Array:
-        """(K,) s"""
+        """The durations of the events, (K,) s."""
         return np.array([event.duration for event in self.events])
 
     @property
     def places(self) -> Array:
-        """(K, d) m"""
+        """The positions of the events, (K, d) m."""
         return np.array([event.place for event in self.events])
 
     @property
     def particles(self) -> Integers:
-        """(K, 4): the old pair, then the new one"""
+        """The four particles of each event, (K, 4): the old pair, then the new one."""
         return np.array([(*event.lost, *event.gained) for event in self.events], np.int64).reshape(-1, 4)
 
 
 class _Seen(NamedTuple):
-    """The last state of a pair as neighbors: the time, the length of the border, and when it was last firm."""
+    """The last state of a pair as neighbors: the time, the length of the border, and the last time at which it was
+    firm.
+    """
 
     time: float
     border: float
@@ -181,9 +182,10 @@ _Found = dict[Pair, tuple[float, bool]]
 def neighbor_swaps(frames: Iterable[Frame], *, firm: float = FIRM, box: Box | None = None) -> Swaps:
     """The T1 events in 2D frames of any model, by the radical triangulation.
 
-    `firm` is the border that counts, over the median distance of neighbors: fluctuations that leave all borders of a
-    meeting of four below it are no events. Times of loss and gain are those of frames; the time of the event is
-    interpolated. Between two frames expect at most one swap per neighborhood; `unpaired` counts the exceptions.
+    `firm` is the smallest border that counts, over the median distance of neighbors: fluctuations of four particles
+    whose borders all remain below it are not events. Times of loss and gain are those of frames; the time of the event
+    is interpolated. The method assumes at most one swap per neighborhood between two frames; `unpaired` counts the
+    exceptions.
     """
     linked: dict[Pair, _Seen] = {}
     events: list[Swap] = []
@@ -191,7 +193,7 @@ def neighbor_swaps(frames: Iterable[Frame], *, firm: float = FIRM, box: Box | No
     for number, frame in enumerate(frames):
         found = _found(frame, firm, box)
         if number == 0:
-            # Four cells that meet in a point have no defined neighbors, and cause no event.
+            # Four cells that meet in a point have no defined neighbors, and do not cause an event.
             linked = {pair: _Seen(frame.time, w, frame.time if sure else math.nan) for pair, (w, sure) in found.items()}
             continue
         place = _place_of(frame, box)
@@ -250,7 +252,7 @@ def _event(now: float, pairs: tuple[Pair, Pair], seen: _Seen, border: float, pla
 
 
 def around_of(pairs: Iterable[Pair]) -> Around:
-    """The neighbors of each."""
+    """The set of neighbors of each particle."""
     around: Around = {}
     for a, b in pairs:
         around.setdefault(a, set()).add(b)
@@ -259,8 +261,8 @@ def around_of(pairs: Iterable[Pair]) -> Around:
 
 
 def matched(place: _Place, fresh: Iterable[Pair], absent: Iterable[Pair], known: Iterable[Pair]) -> dict[Pair, Pair]:
-    """The old pair that each new pair replaces: both particles of the old pair were neighbors of both of the new one;
-    the nearest if there are several.
+    """The old pair that each new pair replaces: both particles of the old pair were neighbors of both particles of the
+    new pair; if there are several such pairs, the nearest.
     """
     around, left = around_of(known), set(absent)
     candidates = []
@@ -277,13 +279,13 @@ def matched(place: _Place, fresh: Iterable[Pair], absent: Iterable[Pair], known:
 
 
 class _Place(NamedTuple):
-    """The positions of particles."""
+    """The positions of particles at one instant."""
 
     position: Array
     box: Box | None
 
     def middle(self, pair: Pair) -> Array:
-        """Half-way from one to the other's nearest copy."""
+        """The middle between a particle and the nearest copy of another."""
         first, second = self.position[pair[0]], self.position[pair[1]]
         return np.asarray(first + 0.5 * nearest((second - first)[None], self.box)[0])
 
@@ -317,12 +319,11 @@ class _Gaps(NamedTuple):
 
 
 def contact_swaps(frames: Iterable[Frame], *, touch: float, apart: float, box: Box | None = None) -> Swaps:
-    """The T1 events by contacts: from the separation of one pair to the contact of the two
-    particles between them.
+    """The T1 events by contacts: from the separation of one pair to the contact of the two particles between them.
 
-    Two meet when their gap falls below `touch` and part when it rises above `apart` (m): what lies between leaves
-    contacts as they are, so that they do not flicker. The gap is that of undeformed surfaces. Moments are interpolated
-    between frames. For films and in 3D, where borders do not define neighbors.
+    Two particles come into contact when their gap decreases below `touch`, and separate when it increases above `apart`
+    (m). Between these values contacts do not change, so that they do not fluctuate. The gap is that of undeformed
+    surfaces. Moments are interpolated between frames. For films and in 3D, where borders do not define neighbors.
     """
     if not touch <= apart:
         raise BadInput(f"two meet below a gap of {touch:g} m and part above {apart:g} m; expected touch <= apart")
@@ -385,8 +386,8 @@ class LocalDeformation(NamedTuple):
 def local_deformation(
     before: Frame, after: Frame, reach: Length, boxes: tuple[Box, Box] | None = None
 ) -> LocalDeformation:
-    """The best local deformation and its residual D^2_min, for neighbors within `reach` of each
-    particle's center.
+    """The best affine deformation and its residual D^2_min, for neighbors within `reach` of the center of each
+    particle.
 
     D^2_min is divided by the number of neighbors, unlike in [falk1998]. Vectors to neighbors are the shortest, before
     and after: the reach should be well below half a box, and particles must be the same ones in both frames.
@@ -421,9 +422,10 @@ def _fitted(count: int, first: Integers, old: Array, new: Array) -> LocalDeforma
 
 
 def nonaffine_displacement(before: Frame, after: Frame, boxes: tuple[Box, Box] | None = None) -> Array:
-    """The displacement of each particle beyond the deformation of the box, (N, d) m, with a mean of zero.
+    """The displacement of each particle relative to the deformation of the box, (N, d) m, with a mean of zero.
 
-    For a periodic box, sheared or squeezed; no particle may have moved further than half of it relative to that motion.
+    The box must be periodic, and may be sheared or compressed; no particle may have moved by more than half of the box
+    relative to its deformation.
     """
     start, end = _boxes(before, after, boxes)
     if start is None or end is None or not (start.closed and end.closed):
@@ -431,7 +433,7 @@ def nonaffine_displacement(before: Frame, after: Frame, boxes: tuple[Box, Box] |
     position = before.arrays["position"]
     even = position @ (end.tilt @ np.linalg.inv(start.tilt)).T
     moved = nearest(after.arrays["position"] - even, end)
-    # A mean depends on the choice of copies; it is therefore computed twice, the second time relative to the median.
+    # The mean depends on the choice of copies; it is therefore computed again relative to the median.
     moved = nearest(moved - np.median(moved, axis=0), end)
     return np.asarray(moved - moved.mean(axis=0))
 

@@ -1,4 +1,4 @@
-"""Rheology of packings: stress, viscosity, friction and moduli of sheared boxes, and delays before yielding."""
+"""Rheology of packings: stress, viscosity, friction and moduli of sheared boxes, and delay times of yielding."""
 
 from __future__ import annotations
 
@@ -27,7 +27,8 @@ transmit the sum of the three, being in series with them.
 def stress_tensor(frame: Frame, part: str = "total") -> Array:
     """The stress of a box, (d, d), tension positive; Pa, in a layer N/m. `part` is one of PARTS.
 
-    Its component xy is the force along x across planes of y. Where spheres do not spin it need not be that of yx.
+    Its component xy is the force along x across planes of y. If spheres do not rotate, it may differ from the component
+    yx.
     """
     dimensions = frame.arrays["position"].shape[1]
     tensor = np.zeros((dimensions, dimensions))
@@ -41,7 +42,9 @@ def stress_tensor(frame: Frame, part: str = "total") -> Array:
 
 
 def normal_stress_differences(frame: Frame, part: str = "total") -> tuple[float, float]:
-    """N_1 = s_xx - s_yy and N_2 = s_yy - s_zz, x along the flow and y across, tension positive; N_2 = 0 in a layer."""
+    """The normal stress differences N_1 = s_xx - s_yy and N_2 = s_yy - s_zz, with x along the flow and y across,
+    tension positive; N_2 = 0 in a layer.
+    """
     normal = np.diag(stress_tensor(frame, part))
     return float(normal[0] - normal[1]), float(normal[1] - normal[2]) if len(normal) == 3 else 0.0
 
@@ -64,9 +67,9 @@ SURE = 3.0
 
 
 def steady_state(values: Array) -> SteadyState:
-    """Detect the transient of an evenly spaced series: twice the cut in its first third that leaves the mean of the
-    rest with the smallest standard error, sum (y - mean)^2 / n^2 [white1997]. At that cut the remaining transient
-    changes the mean by about its error; at twice the cut it has decayed.
+    """Detect the transient of an evenly spaced series. The cut in its first third is chosen so that the mean of the
+    remainder has the smallest standard error, sum (y - mean)^2 / n^2 [white1997]; the transient is twice as long. At
+    the cut the remaining transient changes the mean by about its error; at twice the cut it has decayed.
 
     >>> steady_state(np.array([9.0, 5.0, 1.0, 3.0, 1.0, 3.0, 1.0, 3.0, 1.0, 3.0, 1.0, 3.0])).first
     4
@@ -112,8 +115,8 @@ def mean_stress(frames: Sequence[Frame], part: str = "total") -> MeanStress:
 
 
 def over_seeds(means: Sequence[Mean]) -> Mean:
-    """The mean of runs with different seeds. Its standard error follows from their scatter, or from their own
-    errors if these are larger: the scatter of two or three runs can be small at random.
+    """The mean of runs with different seeds. Its standard error follows from their scatter, or from their errors if
+    these are larger, since the scatter of two or three runs can be small at random.
 
     >>> over_seeds([Mean(1.0, 0.1), Mean(3.0, 0.1)]), over_seeds([Mean(2.0, 0.5), Mean(2.0, 0.5)]).error > 0.35
     (Mean(value=2.0, error=1.0), True)
@@ -126,7 +129,7 @@ def over_seeds(means: Sequence[Mean]) -> Mean:
 
 
 def shear_rates(frames: Sequence[Frame]) -> Array:
-    """The rate of shear between the frames around each, (T,) 1/s."""
+    """The rate of shear at each frame, from the frames around it, (T,) 1/s."""
     if len(frames) < 2:
         raise BadInput("a rate takes two frames or more")
     (strain,) = series(frames, number("strain"))
@@ -167,9 +170,10 @@ def suspension_viscosity(
     """The viscosity from the stress of contacts plus that of a dilute suspension, eta (1 + 2.5 phi). [einstein1906],
     with the slope as corrected in 1911.
 
-    The stress of a frame is that of contacts: its viscosity lacks the liquid that flows between spheres far apart, and
-    tends to zero when dilute. The sum is an estimate in between, not a theory. In a layer, of a given `thickness` (the
-    mean diameter is usual), viscosities of contacts are in N s/m, and spheres fill two thirds of what discs cover.
+    The stress in a frame is that of contacts: its viscosity does not include the flow between distant spheres, and
+    tends to zero at dilution. The sum is an interpolation between both limits, not a theory. In a layer, of a given
+    `thickness` (the mean diameter is usual), viscosities of contacts are in N s/m, and spheres fill two thirds of what
+    discs cover.
 
     >>> suspension_viscosity(0.0, 1.0, 0.1), suspension_viscosity(3.0, 2.0, 0.3, thickness=1.5)
     (1.25, 7.5)
@@ -183,7 +187,7 @@ def viscous_number(viscosity: Viscosity, rate: Rate, normal_stress: Pressure) ->
     """The viscous number J = eta |rate| / P: the time in which a film is squeezed over that of the flow.
     [boyer2011].
 
-    In a layer the normal stress is a force over a length, and J a length: that of P over a radius has none.
+    In a layer the normal stress is a force over a length, and J is a length; with P over a radius it is dimensionless.
 
     >>> viscous_number(2.0, 3.0, 60.0)
     0.1
@@ -194,7 +198,8 @@ def viscous_number(viscosity: Viscosity, rate: Rate, normal_stress: Pressure) ->
 def flow_point(frames: Sequence[Frame], viscosity: Viscosity, thickness: float = 1.0) -> FlowPoint:
     """The means over frames of a steady flow, evenly spaced in time and without the transient.
 
-    `thickness` makes a stress of a layer's force over length, and J a number: twice the mean radius is usual.
+    With `thickness`, usually twice the mean radius, force over length of a layer is converted to a stress, and J is
+    dimensionless.
     """
     rate = shear_rates(frames)
     shear, normal, fraction = series(frames, *map(number, ("shear_stress", "normal_stress", "volume_fraction")))
@@ -213,7 +218,7 @@ def flow_point(frames: Sequence[Frame], viscosity: Viscosity, thickness: float =
 
 
 def _quotient(above: Mean, below: Mean, factor: float) -> Mean:
-    """|a| f / b with the error of independent a and b."""
+    """The quotient |a| f / b with its error, for independent a and b."""
     value = abs(above.value) * factor / below.value
     error = math.hypot(above.error / above.value if above.value else 0.0, below.error / below.value)
     return Mean(value, value * error if above.value else above.error * factor / below.value)
@@ -262,7 +267,7 @@ def power_fit(argument: Array, values: Sequence[Mean]) -> CurveFit:
         raise BadInput("a power law is fitted to positive arguments; got others")
     middle = float(np.exp(np.log(x).mean()))
     fit = _separable(lambda power: (x / middle) ** power, values, EXPONENTS)
-    # The factor of x instead of x over its mean: f m^-n, with the error of both.
+    # The factor is converted from x/mean to x: f m^-n, including the error of the exponent.
     scale, turn = middle ** -fit.best[2], np.eye(3)
     turn[1] = 0.0, scale, -fit.best[1] * scale * math.log(middle)
     covariance = turn @ fit.covariance @ turn.T
@@ -300,7 +305,7 @@ which a fit searches.
 
 
 def viscosity_divergence(fractions: Array, viscosities: Sequence[Mean]) -> Divergence:
-    """Fit where a viscosity diverges over the volume fraction, by least squares of its logarithm. [krieger1959].
+    """Fit a divergence of the viscosity over the volume fraction, by least squares of its logarithm. [krieger1959].
 
     >>> fit = viscosity_divergence(np.arange(0.5, 0.8, 0.05), [Mean(3.0 * (1 - p / 0.85) ** -2, 0.1)
     ...     for p in np.arange(0.5, 0.8, 0.05)])
@@ -380,10 +385,11 @@ class Moduli(NamedTuple):
 
 
 def moduli(time: Array, strain: Array, stress: Array, period: Time) -> Moduli:
-    """G' and G'' from an oscillation of any shape with this period: the ratio of the first harmonics.
+    """The moduli G' and G'' from an oscillation of any shape with this period: the ratio of the first harmonics.
 
-    As many whole periods as there are, counted from the end; errors are those of the mean over periods (of one, the
-    residual's). Times should be even. A drift is taken off by the means over whole periods, if there are two or more.
+    All whole periods are used, counted from the end; errors are those of the mean over periods, or for a single period
+    those from the residual. Times should be evenly spaced. With two or more periods, the linear drift of the means over
+    periods is subtracted.
     """
     whole = math.floor((time[-1] - time[0]) / period * (1.0 + 1e-9))
     if whole < 1:
@@ -441,7 +447,7 @@ YIELDED = 0.1
 
 
 def yield_delay(frames: Sequence[Frame], step: Time, strain: Number = YIELDED) -> Time:
-    """The delay from a step of stress to a strain of this size, either way; infinite where it is never reached.
+    """The delay from a step of stress to a strain of this magnitude; infinite if it is never reached.
 
     >>> frames = [Frame(t, {}, {"strain": 0.05 * max(t - 2.0, 0.0)}, {}) for t in (0.0, 1.0, 2.0, 3.0, 6.0)]
     >>> yield_delay(frames, step=1.0)
@@ -456,9 +462,9 @@ def yield_delay(frames: Sequence[Frame], step: Time, strain: Number = YIELDED) -
 
 
 def least_rate(frames: Sequence[Frame], step: Time, strain: Number = YIELDED) -> Time:
-    """The time after a step of stress at which creep is slowest before this strain is reached: there slowing down ends.
+    """The time after a step of stress at which the creep rate is smallest before this strain is reached.
 
-    Half-way between the two frames around it; infinite where the strain is never reached.
+    It is halfway between two frames; infinite if the strain is never reached.
     """
     time, crept = creep(frames, step)
     beyond = np.flatnonzero(crept >= strain)
@@ -492,7 +498,9 @@ class CreepFlow(NamedTuple):
 
     @property
     def flows(self) -> bool:
-        """Whether the packing flows steadily: the rate is above three of its errors, and falls slower than t^-1/2."""
+        """Whether the packing flows steadily: the rate exceeds three times its error, and decreases more slowly than
+        t^-1/2.
+        """
         return self.rate.value > SURE * self.rate.error and self.slowing < STOPPING
 
 
@@ -503,8 +511,7 @@ square root of time.
 
 
 def creep_flow(frames: Sequence[Frame], step: Time) -> CreepFlow:
-    """The creep under a constant shear stress since its step: strain, rate, and whether it slows
-    down.
+    """The creep under a constant shear stress since its step: strain, rate, and whether it slows down.
 
     >>> frames = [Frame(t, {}, {"strain": 0.05 * t + 0.1}, {}) for t in np.arange(0.0, 8.1, 0.1)]
     >>> flow = creep_flow(frames, step=0.0)

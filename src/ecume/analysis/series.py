@@ -35,7 +35,7 @@ def series(frames: Iterable[Frame], *measures: Callable[[Frame], float]) -> Arra
 
 
 def number(name: str) -> Callable[[Frame], float]:
-    """The measure that reads a frame's own number of that name."""
+    """A measure that returns the number with this name in a frame."""
 
     def measure(frame: Frame) -> float:
         if name not in frame.numbers:
@@ -63,11 +63,11 @@ def inside(frame: Frame) -> Flags:
 
 
 def tracks(frames: Sequence[Frame] | Iterable[Frame], kept: Sequence[int] | None = None) -> Array:
-    """The positions of particles over time: shape (frames, particles, d), in m; NaN before a particle enters and after
-    it leaves. `kept`: the numbers of the frames to return, in ascending order; by default all.
+    """The positions of particles over time, of shape (frames, particles, d), in m; NaN before a particle enters and
+    after it leaves. `kept` contains the indices of the frames to return, in ascending order; by default all.
 
     In a periodic box paths do not jump at borders: frames contain image numbers. In frames of former versions, which
-    have none, each path continues at the image nearest to the previous position; a PathWarning says where particles
+    have none, each path continues at the image nearest to the previous position; a PathWarning reports that particles
     may move by half a side between frames.
     """
     frames = frames if isinstance(frames, Sequence) else list(frames)
@@ -115,7 +115,9 @@ def _followed(frames: Sequence[Frame], kept: set[int]) -> list[Array]:
 
 
 def warn_of_far_moves(reached: float, when: float) -> None:
-    """Warn if paths without image numbers may be wrong; `reached`: the farthest move between frames, over the side."""
+    """Warn if paths without image numbers may be wrong; `reached` is the largest displacement between frames, over the
+    side.
+    """
     if reached > FAR:
         message = f"a particle moves by {reached:.2g} of a side of the periodic box up to {when:.4g} s; paths without "
         message += "image numbers are right up to half a side from frame to frame: write frames more often"
@@ -136,8 +138,8 @@ def steady_mean(values: Array, blocks: int = BLOCKS) -> Mean:
     """The mean of a stationary series, with its error from block means, since neighboring values
     are correlated.
 
-    Blocks that are longer than the series' memory are independent of one another. Fewer values than two blocks hold
-    have no error: not a number.
+    Blocks that are longer than the correlation time of the series are independent. With fewer values than two blocks
+    need, the error is NaN.
 
     >>> steady_mean(np.array([1.0, 3.0] * 8), blocks=4)
     Mean(value=2.0, error=0.0)

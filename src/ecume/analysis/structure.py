@@ -36,7 +36,7 @@ def neighbor_pairs(frame: Frame, reach: Number = FIRST_SHELL) -> Integers:
     box, farthest = box_of(frame), 2.0 * reach * float(radius.max())
     around = copies(position, box, farthest)
     found = cKDTree(around.position).query_pairs(farthest, output_type="ndarray")
-    # Originals come first: pairs of two images repeat others.
+    # Pairs of two images repeat other pairs; only those with an original particle, which come first, remain.
     pairs = np.sort(around.owner[found[found.min(axis=1) < len(position)]], axis=1)
     pairs = np.unique(pairs[pairs[:, 0] < pairs[:, 1]], axis=0)
     i, j = pairs.T
@@ -46,11 +46,11 @@ def neighbor_pairs(frame: Frame, reach: Number = FIRST_SHELL) -> Integers:
 
 
 def hexatic_order(frame: Frame, reach: Number = FIRST_SHELL) -> Complexes:
-    """psi_6 of each float, the mean of exp(6 i phi) over the directions of its neighbors; 0 without
+    """The complex order psi_6 of each float, the mean of exp(6 i phi) over the directions of its neighbors; 0 without
     neighbors.
 
     Its magnitude is 1 inside a triangular lattice, its phase six times the lattice's angle. The magnitude of the mean
-    measures the global order, the mean magnitude the local order, whatever the orientation of the lattices.
+    measures the global order; the mean magnitude measures the local order, independent of the orientation of lattices.
     """
     position = frame.arrays["position"]
     pairs = neighbor_pairs(frame, reach)
@@ -64,8 +64,8 @@ def hexatic_order(frame: Frame, reach: Number = FIRST_SHELL) -> Complexes:
 
 
 class Region(NamedTuple):
-    """The part of the plane in which floats are: a disc around the origin, a rectangle of that size around it, or a
-    convex polygon with these corners, counterclockwise; or a periodic cell of that size.
+    """The region of the floats: a disc around the origin, a rectangle of this size around it, or a convex polygon with
+    these corners, counterclockwise; or a periodic cell of this size.
     """
 
     radius: Length = 0.0
@@ -97,10 +97,12 @@ class Region(NamedTuple):
         return float(apart[(other != corner) & ((other + 1) % len(start) != corner)].min())
 
     def overlap(self, shift: Array) -> Array:
-        """The area that the region shares with itself moved by so much, averaged over all directions (m^2).
+        """The area that the region shares with itself after a displacement of this length, averaged over all directions
+        (m^2).
 
-        Of a disc the lens of two circles; of a polygon A - P r/pi + r^2/(4 pi) sum_k (1 + (pi - t_k) cot t_k) with the
-        perimeter P and the angles t_k, for r up to `widest`: of a rectangle a b - 2 (a + b) r/pi + r^2/pi.
+        For a disc it is the lens of two circles; for a polygon A - P r/pi + r^2/(4 pi) sum_k (1 + (pi - t_k) cot t_k)
+        with the perimeter P and the angles t_k, for r up to `widest`, which for a rectangle is a b - 2 (a + b) r/pi +
+        r^2/pi.
         """
         if self.periodic:
             return np.full_like(shift, self.area)
@@ -134,10 +136,12 @@ def region_in(walls: Walls) -> Region:
 
 
 def pair_distribution(frames: Sequence[Frame], edges: Array, region: Region) -> Array:
-    """g(r) between the edges (m), the mean over the frames: the number of pairs over that of as many random points.
+    """The pair distribution g(r) between the edges (m), averaged over the frames: the number of pairs over that of as
+    many random points.
 
-    The random points are inside the region, whose border keeps far pairs rare: for random points g is 1 up to its
-    width. In a periodic region distances are those of nearest images, up to half of its shorter side.
+    The random points are inside the region. Since distant pairs are rare in a finite region, this makes g equal to 1
+    for random points up to the width of the region. In a periodic region distances are those of nearest images, up to
+    half of its shorter side.
     """
     widest = region.widest
     if not (region.area > 0.0 and np.all(np.diff(edges) > 0.0) and edges[0] >= 0.0 and edges[-1] <= widest):
@@ -159,7 +163,7 @@ def pair_distribution(frames: Sequence[Frame], edges: Array, region: Region) -> 
 
 
 class Shapes(NamedTuple):
-    """The sizes and lengths of clusters, one entry a cluster."""
+    """The sizes and lengths of clusters, with one entry per cluster."""
 
     center: Array
     """(C, 2) m, of the floats' centers"""
@@ -172,7 +176,7 @@ class Shapes(NamedTuple):
 
 
 def shapes_of(frame: Frame, clusters: Clusters) -> Shapes:
-    """The shapes of a frame's clusters; in a periodic box each one in a piece."""
+    """The shapes of the clusters in a frame; in a periodic box each cluster is first made contiguous."""
     there = clusters.labels >= 0
     position, labels, sizes = whole(frame, clusters)[there], clusters.labels[there], np.maximum(clusters.sizes, 1)
     center = np.stack([np.bincount(labels, axis, len(sizes)) for axis in position.T], axis=1) / sizes[:, None]
@@ -209,9 +213,10 @@ def fractal_dimension(sizes: Integers, gyration_radius: Array) -> Fit:
 
 
 def whole(frame: Frame, clusters: Clusters) -> Array:
-    """Positions (m) at which each cluster is in one piece, also across the borders of a periodic box.
+    """Positions (m) at which each cluster is contiguous, also across the borders of a periodic box.
 
-    Each float is at the image nearest to a neighbor that is already placed, from the cluster's first float on.
+    Each float is at the image nearest to a neighbor that is already placed, starting from the first float of the
+    cluster.
     """
     position, box = frame.arrays["position"].copy(), box_of(frame)
     if box is None:
@@ -230,7 +235,7 @@ def whole(frame: Frame, clusters: Clusters) -> Array:
 
 def mean_square_displacement(tracks: Array, lags: Sequence[int]) -> Array:
     """The mean square displacement (m^2) for each lag in frames, (lags,), over all particles and start frames.
-    Particles count while they are inside; NaN if none is inside for so long.
+    Particles are included while they are inside; NaN if no particle is inside for this long.
 
     `tracks`: (frames, particles, d), as `ecume.analysis.series.tracks` makes them.
     """
@@ -242,6 +247,6 @@ def mean_square_displacement(tracks: Array, lags: Sequence[int]) -> Array:
 
 
 def approach(tracks: Array, radius: Array, pair: tuple[int, int], box: Box | None = None) -> Array:
-    """(frames,) m: the gap between two floats over time, of nearest images in a periodic box."""
+    """The gap between two floats over time, (frames,) m, between nearest images in a periodic box."""
     i, j = pair
     return np.asarray(np.linalg.norm(nearest(tracks[:, j] - tracks[:, i], box), axis=1) - radius[i] - radius[j])

@@ -19,8 +19,8 @@ FEWEST = 8
 
 
 def since(frames: Sequence[Frame], start: Time, end: Time = math.inf) -> Sequence[Frame]:
-    """The frames from `start` (included) to `end` (excluded): a frame at the time of a jump shows the state after it.
-    Raises BadInput for too few.
+    """The frames from `start` (included) to `end` (excluded); a frame at the time of a jump shows the state after it.
+    Raises BadInput if there are too few.
     """
     found = [frame for frame in frames if start * (1.0 - 1e-9) <= frame.time < end * (1.0 - 1e-9)]
     if len(found) < FEWEST:
@@ -29,7 +29,9 @@ def since(frames: Sequence[Frame], start: Time, end: Time = math.inf) -> Sequenc
 
 
 class StartUp(NamedTuple):
-    """The shear stress after a flow at a constant rate has begun; Pa, in a layer N/m. Stresses are along the flow."""
+    """The shear stress after the start of a flow at a constant rate; Pa, in a layer N/m. Stresses are along the
+    flow.
+    """
 
     strain: Array
     """since the start"""
@@ -42,7 +44,7 @@ class StartUp(NamedTuple):
 
     @property
     def overshoot(self) -> Number:
-        """The peak over the steady stress, minus 1; NaN where the stress does not become stationary."""
+        """The peak over the steady stress, minus 1; NaN if the stress does not become stationary."""
         return self.peak / self.steady.mean.value - 1.0 if self.steady.settled else math.nan
 
 
@@ -64,7 +66,7 @@ def start_up(frames: Sequence[Frame]) -> StartUp:
 
 
 class Relaxation(NamedTuple):
-    """The shear stress at a constant strain after a flow; Pa, in a layer N/m. Stresses are along the flow before."""
+    """The shear stress at a constant strain after a flow; Pa, in a layer N/m. Stresses are along the preceding flow."""
 
     time: Array
     """since the flow has stopped (s)"""
@@ -121,8 +123,9 @@ def recovery(frames: Sequence[Frame], begun: Time, removed: Time) -> Recovery:
     >>> round(recovery(frames, 0.0, 10.0).part, 3)
     0.4
 
-    The surfaces recover at once, so that the frame at the removal shows the packing without their strain. The strain
-    before follows from the last two frames of the creep, and that before the creep from the last frame then, if any.
+    The surfaces recover at once, so that the frame at the removal no longer contains their strain. The strain before
+    the removal follows from the last two frames of the creep, and the strain before the creep from the last frame
+    before it, if there is one.
     """
     before, after = since(frames, begun, removed), since(frames, removed)
     (crept,), (strain,) = series(before, number("strain")), series(after, number("strain"))

@@ -3,8 +3,8 @@
 fit = ecume.fit("tracks.csv", "two-beads.toml", ["contact_angle", "viscosity"])
 print(fit.estimates)
 
-Start with `estimation.fit`, which minimizes the residuals of simulations and says what the result is worth. `tracks`
-reads tables and assigns objects to particles, `parameters` finds what is free.
+Start with `estimation.fit`, which minimizes the residuals of simulations and estimates the uncertainty of the result.
+`tracks` reads tables and assigns objects to particles, `parameters` finds the fitted parameters.
 """
 
 from ecume.fitting.estimation import Estimate, Fit, fit

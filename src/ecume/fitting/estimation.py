@@ -75,7 +75,7 @@ class Problem(NamedTuple):
 
     @property
     def seen(self) -> Any:
-        """Flags (T, N) of the existing measurements."""
+        """Flags (T, N) of the measurements that exist."""
         return np.isfinite(self.tracks.position[:, :, 0])
 
     @property
@@ -88,8 +88,8 @@ def timed(plain: dict[str, Any], tracks: Tracks) -> dict[str, Any]:
     """The scene with the duration of the tracks, frames at least at the rate of the camera, and a
     constant time step.
 
-    With a time step that depends on the parameters, the number of steps per frame would jump, and with it the
-    residuals.
+    With a time step that depends on the parameters, the number of steps per frame, and therefore the residuals, would
+    be discontinuous.
     """
     duration = float(tracks.times[-1])
     frames = max(LEAST_FRAMES, round(duration / float(np.median(np.diff(tracks.times)))))
@@ -126,7 +126,7 @@ def scene_at(problem: Problem, coordinates: Array) -> Scene:
 def simulated(scene: Scene, times: Array, laws: Sequence[Law] = ()) -> Array:
     """The simulated positions at these times (T, N, 2) (m)."""
     with warnings.catch_warnings():
-        warnings.simplefilter("ignore")  # warnings on time steps, which were chosen here
+        warnings.simplefilter("ignore")  # hide warnings on time steps, which were chosen here
         frames = list(simulate(scene, extra_laws=laws))
     return positions_at(frames, times)
 
@@ -172,17 +172,17 @@ class Solution(NamedTuple):
 
     @property
     def freedom(self) -> int:
-        """The degrees of freedom: the number of measured minus that of fitted numbers."""
+        """The degrees of freedom: the number of measured values minus that of fitted ones."""
         return max(len(self.residuals) - len(self.coordinates), 1)
 
     @property
     def noise(self) -> float:
-        """The standard deviation of a measured number, in the unit of the residuals."""
+        """The standard deviation of a measured value, in the unit of the residuals."""
         return float(np.sqrt(np.sum(self.residuals**2) / self.freedom))
 
 
 def solved(residuals: Callable[[Array], Array], start: Array) -> Solution:
-    """The least-squares solution near a start, by a trust-region method; coordinates along directions without influence
+    """The least-squares solution near a start, by a trust-region method; coordinates without influence on the residuals
     do not change.
     """
 
@@ -304,7 +304,7 @@ def fit(
     problem = posed(cut(measured, until), to_plain(asked), free, start)._replace(laws=tuple(extra_laws))
     simulated(
         scene_at(problem, origin(problem)), measured.times, problem.laws
-    )  # faults of the initial state are reported unchanged
+    )  # the message on an invalid initial state is not changed
     solution = solved(lambda at: residuals(problem, at), origin(problem))
     return concluded(problem, solution)
 
@@ -403,9 +403,9 @@ OUTLIER = 6.0
 
 
 def swapped(tracks: Tracks) -> list[str]:
-    """A remark if objects seem to exchange names, as after an error of a tracking program.
+    """A remark if the names of objects seem to be exchanged, as after an error of a tracking program.
 
-    With the right names, the sum of squared displacements between two instants is the smallest possible.
+    With correct names, the sum of squared displacements between two instants is minimal.
     """
     if len(tracks.names) > MOST_PAIRED:
         return []
@@ -421,7 +421,7 @@ def swapped(tracks: Tracks) -> list[str]:
 
 
 def outlier(problem: Problem, left: Array) -> list[str]:
-    """A remark on single measurements far from the positions that follow from all others."""
+    """A remark on single measurements that are far from the positions implied by all others."""
     off = np.linalg.norm(left, axis=2)
     far = np.flatnonzero(off[problem.seen] > OUTLIER * np.median(off[problem.seen]))
     if len(far) == 0 or len(far) > MOST_OUTLIERS * problem.seen.sum():
@@ -435,7 +435,7 @@ def outlier(problem: Problem, left: Array) -> list[str]:
 
 
 def unsure(problem: Problem, at: Array, sure: Certainty) -> list[str]:
-    """Remarks on combinations of parameters that the tracks do not determine, and on those that they determine."""
+    """Remarks on combinations of parameters that the tracks do not determine, and on those that they do."""
     loose, count = ~sure.determined, len(sure.errors)
     if not loose.any():
         return []
@@ -466,7 +466,7 @@ def _combination(problem: Problem, at: Array, direction: Array) -> str:
 
 
 def met(scene: Scene, times: Array, there: Array) -> list[str]:
-    """A remark if particles touch: the time of contact is resolved to one step only, so that residuals are not smooth
+    """A remark if particles touch: the time of contact is resolved only to one step, so that residuals are not smooth
     afterwards.
     """
     if scene.model != "floating":  # soft spheres deform, and tracers do not interact
@@ -484,7 +484,7 @@ def met(scene: Scene, times: Array, there: Array) -> list[str]:
 
 
 def no_noise(problem: Problem, left: Array) -> list[str]:
-    """A remark if residuals are correlated in time: the scene then lacks an effect, and intervals are too narrow."""
+    """A remark if residuals are correlated in time: the scene then neglects an effect, and intervals are too narrow."""
     seen = problem.seen
     both = seen[1:] & seen[:-1]
     one, other = left[:-1][both].ravel(), left[1:][both].ravel()

@@ -116,8 +116,7 @@ def _shrunk(light: Array, shrink: int) -> Array:
 
 
 def _centered(light: Array, place: Array, diameter: float) -> Array:
-    """The centroid of the brightness above a threshold halfway between the surroundings of an
-    object and its middle.
+    """The centroid of the brightness above a threshold halfway between the surroundings of an object and its center.
 
     The threshold follows the gradient of the surrounding brightness: a constant one would shift the center to the side
     whose brightness is closer to that of the object.

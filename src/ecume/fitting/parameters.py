@@ -30,8 +30,8 @@ MOST = 20
 class Free(NamedTuple):
     """One fitted parameter: its name, the paths in the scene that share it, and its initial value.
 
-    Of a vector, such as the `force` of soft spheres, the magnitude is fitted; directions and ratios between vectors are
-    fixed.
+    For a vector, such as the `force` of soft spheres, the magnitude is fitted; directions and ratios between vectors
+    are fixed.
     """
 
     name: str
@@ -43,7 +43,7 @@ class Free(NamedTuple):
 
     @property
     def angle(self) -> bool:
-        """Whether it is an angle between 0 and pi."""
+        """Whether the parameter is an angle between 0 and pi."""
         return self.paths[0][-1] == ANGLE
 
     def coordinate(self, value: float) -> float:
@@ -56,7 +56,7 @@ class Free(NamedTuple):
         return math.log(value / (math.pi - value)) if self.angle else math.log(abs(value))
 
     def at(self, coordinate: float) -> float:
-        """The value of the parameter at a coordinate, finite even far outside of the physical range."""
+        """The value of the parameter at a coordinate; finite even far outside the physical range."""
         bounded = min(max(coordinate, -300.0), 300.0)
         return math.pi / (1.0 + math.exp(-bounded)) if self.angle else math.copysign(math.exp(bounded), self.value)
 
@@ -102,7 +102,7 @@ def _is_vector(value: Any) -> bool:
 
 
 def _sized(plain: Mapping[str, Any], name: str, vectors: Sequence[Path]) -> Free:
-    """The magnitude of the largest of some vectors, with all components in proportion to it."""
+    """The parameter for some vectors: the magnitude of the largest, with all components in proportion to it."""
     found: Any = [(path, value_at(plain, path, ())) for path in vectors]
     parts = {(*path, place): part for path, vector in found for place, part in enumerate(vector) if part != 0.0}
     if not parts:
@@ -113,7 +113,7 @@ def _sized(plain: Mapping[str, Any], name: str, vectors: Sequence[Path]) -> Free
 
 
 def _places(plain: Mapping[str, Any], name: str) -> list[Path]:
-    """The paths of a short name: in the lists of particles, or else in other tables."""
+    """The paths of a short name: in the lists of particles, otherwise in other tables."""
     found = [path for path in _numbered(plain) if path[-1] == name]
     listed = [path for path in found if any(isinstance(key, int) for key in path)]
     return listed or found[:1]
@@ -176,9 +176,9 @@ def of_floats(scene: FloatingScene) -> list[Quantity]:
 
 
 def of_tracers(scene: TracersScene) -> list[Quantity]:
-    """The terminal speed of each kind, and friction over mass, on which inertia depends.
+    """The terminal speed of each kind, and friction over mass, which determines the effect of inertia.
 
-    If relaxation ends before the first picture, density, radius and viscosity affect the speed alone.
+    If relaxation ends before the first picture, density, radius and viscosity affect only the speed.
     """
     bodies = MODELS["tracers"].parameters(scene).bodies
     names, found = [kind.name for kind in scene.kinds], []

@@ -55,7 +55,7 @@ used."""
 
 
 def _plain(name: str) -> str:
-    """A name in lower case without blanks and underscores: programs differ in these."""
+    """A name in lower case without blanks and underscores, in which programs differ."""
     return name.lower().replace("_", "").replace(" ", "")
 
 
@@ -126,7 +126,7 @@ def read_tracks(
 
 
 def _apart(spots: Sequence[Spot], taken: set[str], name: str) -> list[Spot]:
-    """The measurements of a further file, with objects renamed if another file has the same names."""
+    """The measurements of another file, with objects renamed if an earlier file has the same names."""
     return [(f"{name}: {who}" if who in taken else who, *rest) for who, *rest in spots]  # type: ignore[misc]
 
 
@@ -155,8 +155,8 @@ BODY_PARTS = "scorer"
 def in_rows_of_objects(rows: Rows, name: str) -> Rows:
     """The table with one object per line; other tables are returned unchanged.
 
-    The program Tracker writes t, x, y of one object without a header, or with names of objects above it, or x and y of
-    several objects side by side. `name` is the name of an object without one.
+    The program Tracker writes t, x, y of one object without a header, or with names of objects above the header, or x
+    and y of several objects side by side. `name` is used for an object without a name.
     """
     first = [cell.strip() for cell in rows[0][1]]
     if first[0] == BODY_PARTS:
@@ -197,13 +197,13 @@ def _units_of_pairs(heads: Sequence[str], whole: Mapping[str, Mapping[str, int]]
 
 
 def _unit_behind(head: str) -> str:
-    """The unit behind the name of a column, in brackets, also where it is in parentheses; empty without one."""
+    """The unit after the name of a column, in brackets, also if it is in parentheses; empty without a unit."""
     match = BEHIND.search(head[:200])
     return f"[{match[0].strip()[1:-1].strip()}]" if match else ""
 
 
 def _pairs(heads: Sequence[str], above: Sequence[str], form: re.Pattern[str]) -> dict[str, dict[str, int]]:
-    """The columns x and y of each object, whose names are in the heads or above them."""
+    """The columns x and y of each object, whose names are in the headers or above them."""
     pairs: dict[str, dict[str, int]] = {}
     for place, cell in enumerate(heads):
         if match := form.fullmatch(cell[:200]):
@@ -216,13 +216,17 @@ def _pairs(heads: Sequence[str], above: Sequence[str], form: re.Pattern[str]) ->
 
 
 def _with_units(rows: Rows) -> Rows:
-    """The table with units in its head in brackets, where they are behind an underscore or in a line below the head."""
+    """The table with units in brackets in its header, also if they follow an underscore or are in a line below the
+    header.
+    """
     (line, head), *body = _without_row_of_units(rows)
     return [(line, [_bracketed(cell[:200]) for cell in head]), *body]
 
 
 def _without_row_of_units(rows: Rows) -> Rows:
-    """The table with the units of a line below its head in the head; names of objects may be above the head."""
+    """The table in which the units of a line below the header are moved to the header; names of objects may be above
+    the header.
+    """
     for place in range(min(2, len(rows) - 1)):
         (line, heads), (_, below) = rows[place : place + 2]
         units = [_alone(cell) for cell in below]
@@ -261,7 +265,7 @@ def _bracketed(cell: str) -> str:
 
 
 def _one_head(rows: Rows) -> Rows:
-    """A table of DeepLabCut, whose lines of names are above its coordinates, with a single head."""
+    """A table of DeepLabCut, whose lines of names are above its coordinates, with a single header."""
     heads = {row[0].strip().lower(): row for _, row in rows[:5]}
     if not {"bodyparts", "coords"} <= heads.keys():
         return rows
@@ -278,7 +282,7 @@ def _is_head(cells: Sequence[str]) -> bool:
 
 
 def _named_above(cells: Sequence[str], count: int, name: str) -> list[str]:
-    """The name above each column: that in the last nonempty cell."""
+    """The name above each column, which is in the last nonempty cell."""
     found = []
     for place in range(count):
         name = cells[place] if place < len(cells) and cells[place] else name
@@ -365,7 +369,7 @@ def _columns(
     found = {kind: place for kind, place in places.items() if place is not None}
     _require_single(words, rows, found.values())
     _refuse_thousands(body, places)
-    usual = "" if words[found["x"]] == "positionx" else "m"  # TrackMate: see the last header line
+    usual = "" if words[found["x"]] == "positionx" else "m"  # for TrackMate, see the last header line
     if "time" in found and not _unit(units, found["time"]) and camera.rate is not None:
         _require_counted(body, found["time"])
     return _scaled(found, units, camera, usual), body
@@ -383,7 +387,9 @@ def _require_counted(body: Rows, place: int) -> None:
 
 
 def _require_single(words: Sequence[str], rows: Rows, places: Iterable[int]) -> None:
-    """Raise ValueError if a column that is used has a namesake with other cells. Tables of trackpy repeat `frame`."""
+    """Raise ValueError if another column has the same name as a used one, but other cells. Tables of trackpy repeat
+    `frame`.
+    """
     heads = rows[0][1]
     for place in places:
         alike = [other for other, word in enumerate(words) if word == words[place] and heads[other] == heads[place]]
@@ -394,8 +400,8 @@ def _require_single(words: Sequence[str], rows: Rows, places: Iterable[int]) -> 
 
 
 def _refuse_thousands(body: Rows, places: Mapping[str, int | None]) -> None:
-    """Raise ValueError if the commas of a column may divide thousands: all of them have three digits behind them, and
-    there are numbers without, or decimal points. Other commas among times and positions tell that these are decimal.
+    """Raise ValueError if commas in a column may be thousands separators: three digits follow each of them, and there
+    are numbers without commas, or decimal points. Other commas in times and positions show that all are decimal.
     """
     cells = {
         kind: [(line, row[place].strip()) for line, row in body if place < len(row)]
@@ -422,7 +428,7 @@ def _place(words: Sequence[str], known: Sequence[str]) -> int | None:
 
 
 def _trackmate(body: list[tuple[int, list[str]]], units: list[str]) -> tuple[list[tuple[int, list[str]]], list[str]]:
-    """The lines and units of a table, without the three further header lines of TrackMate: two with names, one with
+    """The lines and units of a table, without the three additional header lines of TrackMate: two with names, one with
     units. Each may be missing.
     """
     for _ in range(3):
@@ -435,8 +441,8 @@ def _trackmate(body: list[tuple[int, list[str]]], units: list[str]) -> tuple[lis
 
 
 def _scaled(places: Mapping[str, int], units: Sequence[str], camera: Camera, usual: str) -> dict[str, Column]:
-    """Each column with its factor; lengths without a unit are in the usual one. Raises ValueError if a needed option of
-    the camera is missing.
+    """Each column with its factor; lengths without a unit are in the `usual` one. Raises ValueError if a required
+    option of the camera is missing.
     """
     counted = "time" not in places
     time = places["frame"] if counted else places["time"]
@@ -485,7 +491,7 @@ def _spots(body: Sequence[tuple[int, list[str]]], columns: Mapping[str, Column])
             raise ValueError(f"line {number}: {len(row)} cells are fewer than in the head")
         who = row[columns["object"].place].strip()
         lost = any(row[columns[kind].place].strip().lower() in NO_OBJECT for kind in ("x", "y"))
-        if not lost:  # text instead of numbers is an error in spots of no track, too
+        if not lost:  # text instead of numbers is also an error in spots without a track
             when, x, y = (_number(number, kind, row, columns[kind]) for kind in ("time", "x", "y"))
             found += [(_named(who), when, x, y)] * (who.lower() not in NO_OBJECT)
     if not found:
@@ -494,7 +500,7 @@ def _spots(body: Sequence[tuple[int, list[str]]], columns: Mapping[str, Column])
 
 
 def _named(who: str) -> str:
-    """The name of an object; Pandas writes whole numbers as `3.0`."""
+    """The name of an object; Pandas writes integers as `3.0`."""
     return who[:-2] if re.fullmatch(r"[0-9]+\.0", who) else who
 
 
@@ -542,10 +548,10 @@ def first_frame(scene: Scene) -> Frame:
 
 
 def matched(tracks: Tracks, frame: Frame, *, centered: bool) -> Tracks:
-    """The tracks in the order of the scene's particles: each particle gets the track that starts
-    nearest to it.
+    """The tracks in the order of the particles of the scene; the track that starts nearest is assigned to each
+    particle.
 
-    With `centered`, a common shift of all tracks is ignored. Raises BadInput if the numbers differ.
+    With `centered`, a common displacement of all tracks is ignored. Raises BadInput if the numbers differ.
     """
     there = frame.arrays["position"]
     if len(there) != len(tracks.names):
@@ -641,6 +647,6 @@ def keeps_kinds(plain: Mapping[str, Any]) -> bool:
 
 
 def require_deterministic(plain: Mapping[str, Any]) -> None:
-    """Raise BadInput if the motion is stochastic: a simulation does not reproduce the tracks."""
+    """Raise BadInput if the motion is stochastic, so that a simulation cannot reproduce the tracks."""
     if plain.get("hydrodynamics", {}).get("brownian"):
         raise BadInput("the scene has Brownian motion, which is random; a fit needs a scene without it")

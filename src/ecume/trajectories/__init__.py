@@ -2,6 +2,6 @@
 
 `frame.Frame` is one instant. `segments.Recorder` writes frames into append-only GSD files (`gsd`), and
 `reader.open_trajectory` reads them as a sequence; start there. `samples` reads the numbers between frames. `segments`
-also keeps the whole frames of a damaged file, `exports` writes other formats, `records` writes files that are complete
-or do not exist. `foreign` reads files of other programs.
+also repairs damaged files, `exports` writes other formats, and `records` writes files that are either complete or
+missing. `foreign` reads files of other programs.
 """

@@ -4,14 +4,14 @@
 
 The file is written under a temporary name and renamed when it is complete, so that no incomplete file remains.
 
-Trajectories for ParaView: one VTKHDF file, or a VTK file for each frame and a list of them with their times.
+For ParaView a trajectory is one VTKHDF file, or a VTK file for each frame and a list of these files with their times.
 
-VTKHDF: the points of all frames stand in one table, and tables of offsets say where each frame begins; what is the same
-as in the frame before is not written again. HDF5 ends the process when a disk is full, so the library must not hear of
-it: the file under it accepts everything, and remembers the first refusal.
+VTKHDF: one table contains the points of all frames, and tables of offsets contain the start of each frame; data that
+are equal to those of the previous frame are not written again. HDF5 ends the process when a disk is full. To prevent
+this, the file object passed to the library accepts all data, and stores the first error of the operating system.
 
 PVD, for ParaView before VTKHDF: `bowl.pvd` is the list, `bowl/0000.vtp` and so on are the frames. They are written
-beside what is there, and replace it when all are whole, the list last.
+under temporary names, and replace existing files when all are complete, the list last.
 """
 
 from __future__ import annotations
@@ -47,13 +47,13 @@ CELLS = ("Vertices", "Lines", "Polygons", "Strips")
 
 def write_vtk(trajectory: ExportedFrames, file: BinaryIO) -> None:
     """Write points with all arrays, and the numbers as field data; positions have three components."""
-    import h5py  # slow to import, and needed only here
+    import h5py  # slow to import, and only needed here
 
     sink = _Patient(file)
     try:
         with h5py.File(sink, "w", libver=("earliest", "v110")) as document:
             _write(trajectory, document)
-    except Exception:  # any error of HDF5 after a failed write; `refusal` is reported
+    except Exception:  # any error of HDF5 after a failed write; the stored error is reported instead
         if sink.refusal is None:
             raise
     if sink.refusal is not None:
@@ -95,7 +95,7 @@ def _write_points(trajectory: ExportedFrames, root: h5py.Group, steps: h5py.Grou
 
 
 def _write_cells(root: h5py.Group, steps: h5py.Group, counts: NDArray[np.int64]) -> None:
-    """Write one vertex per point: a list that is written once and read from its beginning for each frame."""
+    """Write one vertex per point: a list that is written once, of which each frame uses the first part."""
     for kind in CELLS:
         cells = root.create_group(kind)
         most = int(counts.max()) if kind == "Vertices" else 0
@@ -114,14 +114,14 @@ def _write_numbers(trajectory: ExportedFrames, root: h5py.Group, steps: h5py.Gro
 
 
 class _Table:
-    """A dataset that grows by frames, with the offset of each."""
+    """A dataset that grows by frames, with the offset of each frame."""
 
     def __init__(self, group: h5py.Group, name: str) -> None:
         self._group, self._name, self._last = group, name, np.zeros(0)
         self.starts: list[int] = []
 
     def add(self, rows: NDArray[Any]) -> None:
-        """Add the rows of a frame, unless they are those of the frame before."""
+        """Add the rows of a frame, unless they are equal to those of the previous frame."""
         if self._name not in self._group:
             self._group.create_dataset(
                 self._name, (0, *rows.shape[1:]), rows.dtype, maxshape=(None, *rows.shape[1:]), chunks=self._chunk(rows)
@@ -141,8 +141,8 @@ class _Table:
 
 
 class _Patient(io.RawIOBase):
-    """A file that accepts all operations, so that HDF5 completes; `refusal` is the first error of
-    the operating system.
+    """A file that accepts all operations, so that HDF5 completes; `refusal` is the first error of the operating
+    system.
     """
 
     def __init__(self, file: BinaryIO) -> None:
@@ -193,7 +193,7 @@ def write_series(path: Path, ending: str, times: Sequence[float], files: Iterabl
     """Write a list of files to `path`, and the files to a folder with the same name."""
     folder = path.with_suffix("") if path.suffix else path.with_name(f"{path.name}-frames")
     names = [f"{number:04d}{ending}" for number in range(len(times))]
-    with replacing(path) as listed:  # its room is found before the folder is replaced
+    with replacing(path) as listed:  # reserve space for it before the folder is replaced
         listed.write(_listing(times, [f"{folder.name}/{name}" for name in names]).encode())
         listed.flush()
         with _replacing_folder(folder, ending) as part:
@@ -243,7 +243,7 @@ def data_array(name: str, values: NDArray[Any]) -> str:
 
 
 def _in_space(vectors: NDArray[Any]) -> NDArray[Any]:
-    """Three components, the missing ones zero."""
+    """The vectors with three components; missing ones are zero."""
     return np.pad(vectors, ((0, 0), (0, 3 - vectors.shape[1])))
 
 
@@ -254,7 +254,7 @@ def _replacing_folder(folder: Path, ending: str) -> Iterator[Path]:
     """
     part = folder.with_name(f"{folder.name}.part")
     with storing(folder):
-        _clear(part, ending)  # that of an export that was killed
+        _clear(part, ending)  # the folder of an export that was killed
     try:
         with storing(folder):
             part.mkdir(parents=True)
@@ -286,9 +286,9 @@ def export(directory: str | os.PathLike[str], kind: str, out: str | os.PathLike[
     """Write the trajectory of a run as `csv`, `xyz`, `vtk`, `pvd` or `npz`; return the path of the
     new file.
 
-    csv is one long table, a row a particle and frame, the unit in each heading; xyz is extended XYZ, for OVITO and ASE;
-    vtk is VTKHDF, which ParaView opens as a series in time, pvd the same for its older versions, with a folder of
-    frames beside it; npz holds one array a quantity, for `numpy.load`. Frames of tanks have all pressures: see
+    csv is one long table with a row per particle and frame, and the unit in each heading; xyz is extended XYZ, for
+    OVITO and ASE; vtk is VTKHDF, which ParaView opens as a time series; pvd is for older versions of ParaView, with a
+    folder of frames; npz contains one array per quantity, for `numpy.load`. Frames of tanks have all pressures: see
     `ecume.analysis.pressures`.
     """
     if kind not in (*EXPORTS, "pvd"):
@@ -346,8 +346,8 @@ def write_xyz(trajectory: ExportedFrames, file: BinaryIO) -> None:
 
 
 def write_npz(trajectory: ExportedFrames, file: BinaryIO) -> None:
-    """Write NumPy's format: `time`, every array with the frames as its first axis, every number as a curve, `units` as
-    JSON.
+    """Write NumPy's format: `time`, every array with the frames as its first axis, every number as an array over
+    frames, and `units` as JSON.
     """
     first = trajectory[0]
     with zipfile.ZipFile(file, "w", zipfile.ZIP_DEFLATED) as archive:
@@ -360,7 +360,7 @@ def write_npz(trajectory: ExportedFrames, file: BinaryIO) -> None:
 
 
 def write_samples(trajectory: ExportedFrames, file: BinaryIO) -> None:
-    """Write the table of numbers sampled between frames, without a row that is being written."""
+    """Write the table of numbers sampled between frames, without a row that is incomplete."""
     file.write(trajectory.samples.content)
 
 
@@ -414,7 +414,7 @@ def _xyz_sides(frame: Frame) -> list[float]:
 
 
 def _xyz_periodic(frame: Frame) -> str:
-    """Along which axes the box is periodic."""
+    """The axes along which the box is periodic, as text."""
     return f'pbc="{" ".join("T" if side > 0.0 else "F" for side in _xyz_sides(frame))}"'
 
 

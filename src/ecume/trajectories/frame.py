@@ -46,7 +46,9 @@ class Frame(NamedTuple):
     units: Mapping[str, str]
 
     def __repr__(self) -> str:
-        """`Frame(time=0.5 s, 60 particles; arrays: position, velocity; numbers: clusters, kinetic_energy)`."""
+        """A text such as `Frame(time=0.5 s, 60 particles; arrays: position, velocity; numbers: clusters,
+        kinetic_energy)`.
+        """
         count = len(next(iter(self.arrays.values()), ()))
         arrays, numbers = _few(list(self.arrays)), _few(list(self.numbers))
         return f"Frame(time={self.time:.6g} s, {count} particles; arrays: {arrays}; numbers: {numbers})"
@@ -57,7 +59,7 @@ class Frame(NamedTuple):
         return self._replace(arrays=RecordedArrays(arrays, omitted) if omitted else arrays)
 
     def _repr_html_(self) -> str | None:
-        """The notebook view: the particles, to turn and to click."""
+        """The notebook view: the particles, which can be rotated and clicked."""
         return html_of(self)
 
 
@@ -66,6 +68,6 @@ SHOWN = 5
 
 
 def _few(names: list[str]) -> str:
-    """The first names and the number of others."""
+    """The first names, and the number of the remaining ones."""
     more = [f"{len(names) - SHOWN} more"] if len(names) > SHOWN else []
     return ", ".join([*names[:SHOWN], *more])

@@ -1,16 +1,15 @@
-"""GSD files: their layout, also of a damaged or growing file, and a frame as chunks.
+"""The layout of GSD files, and the conversion of frames to their chunks.
 
-The layout of a GSD file, and the reading of its index, also that of a damaged or a growing file. A GSD file (version
-2) is a header, a block of index entries, a list of names, and chunks of data; a block that is full is copied to the
-end of the file at twice its size, and the old one stays where it was. So a file that lost its end still holds an
-older index. A frame is whole when its last chunk, the checksum, is in the index.
+A GSD file (version 2) consists of a header, a block of index entries, a list of names, and chunks of data. A block that
+is full is copied to the end of the file with twice its size, and the old block remains. A file whose end is lost
+therefore still contains an older index, so that damaged and growing files can be read. A frame is complete when its
+last chunk, the checksum, is in the index.
 
-A frame as the chunks of a GSD file. HOOMD's own chunks let OVITO and every other reader of GSD show the particles:
-positions and velocities in single precision and always three components, diameter, type. ecume's chunks are exact:
-`log/time`, `log/<number>`, `log/particles/<array>`, and `ecume/header`, which states once what the arrays are and
-which unit each has. A trajectory in single precision has its arrays as `<f4`, and no second copy of HOOMD's chunks;
-it is read as float64. Positions in a periodic box have a second copy, since HOOMD's are relative to the middle of the
-box.
+HOOMD's chunks allow OVITO and other readers of GSD to show the particles: positions and velocities in single precision
+with three components, diameter, type. ecume's chunks are exact: `log/time`, `log/<number>`, `log/particles/<array>`,
+and `ecume/header`, which describes the arrays and their units once. The arrays of a trajectory in single precision are
+`<f4`, without copies of arrays that are in HOOMD's chunks; it is read as float64. Positions in a periodic box have a
+second copy, since HOOMD's are relative to the middle of the box.
 """
 
 from __future__ import annotations
@@ -74,7 +73,7 @@ _SIZES = np.array([TYPES[code].itemsize if code in TYPES else 0 for code in rang
 
 
 class Index(NamedTuple):
-    """The index of a file: its names, the entries of its frames in order, and the place of the block of entries."""
+    """The index of a file: its names, the entries of its frames in order, and the position of the block of entries."""
 
     names: tuple[str, ...]
     entries: NDArray[Any]
@@ -86,7 +85,7 @@ class Index(NamedTuple):
 
 
 def read_index(file: FileIO, path: Path) -> Index:
-    """The index of an open file. Raises StorageError where no frame can be found."""
+    """The index of an open file. Raises StorageError if no frame can be found."""
     header, size = _steady_header(file, path), _size(file)
     names, names_end = _names(file, header)
     location, room = int(header["index_location"]), int(header["index_room"])
@@ -146,13 +145,13 @@ def sizes(entries: NDArray[Any]) -> NDArray[np.int64]:
 
 
 def size_of(entries: NDArray[Any]) -> int:
-    """The bytes of the data of all of these entries."""
+    """The total size (bytes) of the data of these entries."""
     return sum(sizes(entries).tolist())
 
 
 def overlap(entries: NDArray[Any]) -> bool:
-    """Whether some of these entries refer to the same bytes. No writer produces that, and a small file could exhaust
-    the memory.
+    """Whether some of these entries refer to the same bytes. No writer produces this, and it could exhaust the memory
+    when reading a small file.
     """
     order = np.argsort(entries["location"], kind="stable")
     starts, ends = entries["location"][order], (entries["location"] + sizes(entries))[order]
@@ -166,7 +165,9 @@ FIRST_LOOK = 64
 
 
 def _older(file: FileIO, names: tuple[str, ...], names_end: int, none: Index) -> Index:
-    """The best of the earlier blocks of the index that remained when it grew: all begin with the same entry."""
+    """The best of the earlier blocks of the index, which remain in the file when the index grows and begin with the
+    same entry.
+    """
     size = _size(file)
     first = _bytes(file, FILE_HEADER.itemsize, ENTRY.itemsize)
     if not any(first):
@@ -182,7 +183,7 @@ def _older(file: FileIO, names: tuple[str, ...], names_end: int, none: Index) ->
 
 
 def _run_of_entries(whole: bytes, start: int, names: int) -> int:
-    """The number of consecutive entries here: an older block ends where its entries end, and data follows."""
+    """The number of consecutive entries here; an older block ends at its last entry, and data follow."""
     most, found, look = (len(whole) - start) // ENTRY.itemsize, 0, FIRST_LOOK
     while found < most:
         count = min(look, most - found)
@@ -199,7 +200,7 @@ def _size(file: FileIO) -> int:
 
 
 def _bytes(file: FileIO, start: int, count: int, path: Path = UNKNOWN) -> bytes:
-    """The bytes of the file at a position, fewer at the end of the file."""
+    """The bytes of the file at a position, or fewer at the end of the file."""
     size = _size(file)
     if start >= size:
         return b""
@@ -255,7 +256,7 @@ FORMER_BEGINNINGS = {"came_through_opening_": "entered_through_opening_"}
 
 
 def present_name(number: str) -> str:
-    """The name that a number of a frame has today.
+    """The present name of a number that frames contain, which may have had another name.
 
     >>> present_name("came_through_opening_1"), present_name("hits")
     ('entered_through_opening_1', 'hits')
@@ -368,7 +369,7 @@ def units_of(header: Header) -> dict[str, str]:
 
 
 def _stored(chunks: Chunks, name: str, width: int) -> NDArray[Any]:
-    """The chunk of an array; in single precision it may be HOOMD's, whose vectors have three components."""
+    """The chunk of an array; in single precision it may be HOOMD's chunk, whose vectors have three components."""
     own = chunks.get(f"log/particles/{name}")
     return chunks[f"particles/{name}"][:, :width] if own is None else own
 
@@ -394,7 +395,7 @@ def numbers_checksum(chunks: Chunks, header: Header) -> int:
 
 
 def _shown(frame: Frame, species: Sequence[str]) -> Chunks:
-    """The quantities of HOOMD's schema, in single precision."""
+    """The quantities of HOOMD's schema, in single precision, for viewers."""
     box, position = _boxed(frame)
     shown = {
         "configuration/dimensions": _column(np.array([position.shape[1]], np.uint8)),
@@ -414,12 +415,12 @@ def _shown(frame: Frame, species: Sequence[str]) -> Chunks:
 
 
 def _is_periodic(frame: Frame) -> bool:
-    """Whether HOOMD's positions are those in a periodic box, which differ from ecume's."""
+    """Whether positions in HOOMD's chunks are those in a periodic box, and therefore differ from ecume's."""
     return any(frame.numbers.get(name, 0.0) > 0.0 for name in SIDES)
 
 
 def _types(frame: Frame, named: Sequence[str]) -> Chunks:
-    """The species of each particle, and their names: the specified ones, and `species 3` for others."""
+    """The species of each particle, and the names of species: the given ones, and `species 3` for others."""
     if "species" not in frame.arrays or not len(frame.arrays["species"]):
         return {}
     species = frame.arrays["species"]
@@ -433,7 +434,7 @@ def _types(frame: Frame, named: Sequence[str]) -> Chunks:
 
 
 def _colored(frame: Frame, colors: Sequence[str]) -> Chunks:
-    """The color of each particle under OVITO's name; colors that never change are written once."""
+    """The color of each particle under the name that OVITO reads; colors that never change are written once."""
     if not colors or "species" not in frame.arrays:
         return {}
     bytes_of = np.array([list(bytes.fromhex(color.removeprefix("#"))) for color in colors], np.float32)
@@ -464,7 +465,7 @@ def _boxed(frame: Frame) -> tuple[NDArray[np.float32], NDArray[np.float64]]:
 
 
 def _tilt(frame: Frame, sides: NDArray[np.float64]) -> float:
-    """HOOMD's tilt factor xy of a sheared box, from -1/2 to 1/2 of its width over its height."""
+    """HOOMD's tilt factor xy of a sheared box: shift over height, from -1/2 to 1/2 of the width."""
     if not sides[:2].all() or len(sides) < 2:
         return 0.0
     width, height = (float(side) for side in sides[:2])
@@ -473,8 +474,8 @@ def _tilt(frame: Frame, sides: NDArray[np.float64]) -> float:
 
 
 def _hoomd_images(frame: Frame) -> NDArray[np.int32]:
-    """HOOMD's image numbers (N, 3) of the positions that `_boxed` makes. A box that is sheared by whole widths is drawn
-    with the smallest tilt.
+    """HOOMD's image numbers (N, 3) of the positions that `_boxed` makes. A box that is sheared by whole widths is
+    represented with the smallest tilt.
     """
     position, image = frame.arrays["position"], frame.arrays["image"].copy()
     sides = np.array([frame.numbers.get(name, 0.0) for name in SIDES[: position.shape[1]]])
@@ -490,7 +491,7 @@ def _hoomd_images(frame: Frame) -> NDArray[np.int32]:
 
 
 def _in_space(vectors: NDArray[Any]) -> NDArray[np.float32]:
-    """Vectors with three components, the missing ones zero."""
+    """The vectors with three components; missing ones are zero."""
     space = np.zeros((len(vectors), 3), np.float32)
     space[:, : vectors.shape[1]] = vectors
     return space

@@ -1,6 +1,6 @@
 """Trajectories as sequences of frames, read from files.
 
-`ExportedFrames` are the frames as exports hold them: with the arrays that follow from the recorded ones.
+`ExportedFrames` are the frames in the form of exports, with the arrays that follow from the recorded ones.
 """
 
 from __future__ import annotations
@@ -39,11 +39,11 @@ def open_trajectory(path: str | os.PathLike[str]) -> Trajectory:
         with ecume.open_trajectory("runs/bowl") as trajectory:
             trajectory[-1].arrays["position"]
 
-    `path` is the run's directory, or the folder `traj` in it. A run that is being written can be read; `refresh` sees
+    `path` is the run's directory, or the folder `traj` in it. A run that is being written can be read; `refresh` adds
     newer frames.
     """
     given = Path(path)
-    # A run that has just begun has its scene, and no folder of frames yet.
+    # A run that has just started has its scene, but no folder of frames yet.
     begun = (given / "traj").is_dir() or (given / "resolved.json").is_file()
     folder = given / "traj" if begun else given
     if not segment_files(folder) and folder == given:
@@ -52,7 +52,7 @@ def open_trajectory(path: str | os.PathLike[str]) -> Trajectory:
 
 
 class Trajectory(Sequence[Frame]):
-    """A sequence of frames that remembers its scene."""
+    """A sequence of frames, with their scene."""
 
     def __init__(self, folder: Path) -> None:
         self.folder = folder
@@ -76,7 +76,9 @@ class Trajectory(Sequence[Frame]):
         return len(self)
 
     def _identity(self) -> str | None:
-        """The identity of the run; None where its manifest is missing or damaged, and frames are read all the same."""
+        """The identity of the run; None if its manifest is missing or damaged, in which case frames are read without
+        this check.
+        """
         try:
             return str(self.manifest.get("run", "")) if self.manifest else None
         except StorageError:
@@ -84,17 +86,17 @@ class Trajectory(Sequence[Frame]):
 
     @property
     def scene(self) -> Any:
-        """The scene of the run, every default filled in."""
+        """The scene of the run, with all defaults filled in."""
         return scene_of(scene_at(self.directory, self.manifest))
 
     @property
     def manifest(self) -> dict[str, Any]:
-        """The programs, the machine and the sessions of the run; empty where its manifest is missing."""
+        """The programs, the machine and the sessions of the run; empty if its manifest is missing."""
         return manifest_at(self.directory) if (self.directory / "manifest.json").exists() else {}
 
     @property
     def intact(self) -> int:
-        """The number of frames before the first that is missing, as when a segment lost its end."""
+        """The number of frames before the first missing one; frames are missing if a segment lost its end."""
         end = 0
         for segment in self._segments:
             if segment.header.first != end:
@@ -104,7 +106,7 @@ class Trajectory(Sequence[Frame]):
 
     @property
     def times(self) -> NDArray[np.float64]:
-        """The time of each frame, s."""
+        """The time of each frame (s)."""
         return self._column("log/time")
 
     @property
@@ -160,9 +162,10 @@ class Trajectory(Sequence[Frame]):
         self._segments = []
 
     def polars(self, *, particles: bool = False) -> PolarsFrame:
-        """The numbers of all frames as a DataFrame of Polars, a row per frame; with `particles`, the arrays instead.
+        """The numbers of all frames as a DataFrame of Polars, with a row per frame; with `particles`, the arrays
+        instead.
 
-        Of an array each component is a column (`position_x`); `frame` and `particle` count from 0.
+        Each component of an array is a column (`position_x`); `frame` and `particle` count from 0.
         """
         return library("polars").DataFrame(self._table(particles))
 
@@ -179,7 +182,7 @@ class Trajectory(Sequence[Frame]):
         return {"frame": np.arange(len(self)), "time": self.times, **numbered}
 
     def __repr__(self) -> str:
-        """`Trajectory('runs/bowl', 151 frames, 0 s to 12 s)`."""
+        """A text such as `Trajectory('runs/bowl', 151 frames, 0 s to 12 s)`."""
         times = self.times
         span = f", {times[0]:.6g} s to {times[-1]:.6g} s" if len(times) else ""
         return f"Trajectory({str(self.directory)!r}, {len(self)} frames{span})"
@@ -202,7 +205,7 @@ class Trajectory(Sequence[Frame]):
             self.close()
 
     def _located(self, index: int) -> tuple[Segment, int]:
-        """The segment of a frame, and its number there."""
+        """The segment of a frame, and its index there."""
         place = bisect.bisect_right([segment.header.first for segment in self._segments], index) - 1
         segment = self._segments[max(place, 0)]
         local = index - segment.header.first
@@ -224,7 +227,7 @@ class Trajectory(Sequence[Frame]):
 
 
 def _present_chunk(chunk: str) -> str:
-    """The name of a chunk of a number, as this version would write it."""
+    """The name of a chunk of a number in the present version."""
     folder, mark, number = chunk.rpartition("/")
     return folder + mark + gsd.present_name(number)
 
@@ -255,7 +258,7 @@ def _as_it_is(frame: Frame) -> Frame:
 
 
 class ExportedFrames:
-    """A view of a trajectory."""
+    """The frames of a trajectory in the form of exports."""
 
     def __init__(self, trajectory: Trajectory) -> None:
         self._trajectory = trajectory

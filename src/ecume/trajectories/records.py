@@ -1,7 +1,8 @@
-"""Small JSON files, written with a checksum and read as validated data or an error; and files that are whole or absent.
+"""Small JSON files, written with a checksum and read as validated data or an error; and files that are either complete
+or missing.
 
-The last key of a record, `crc32`, is the CRC-32 of the text without it. A record is valid only if its text is the text
-that `write_record` would write for its content, so that a change of any byte is noticed. Runs whose manifest has no
+The last key of a record, `crc32`, is the CRC-32 of the text without it. A record is valid only if its text is that
+which `write_record` would write for its content, so that a change of any byte is detected. Runs whose manifest has no
 `format` were written by earlier versions; their records have no checksum.
 """
 
@@ -39,7 +40,9 @@ FULL = {errno.ENOSPC, errno.EFBIG, getattr(errno, "EDQUOT", errno.ENOSPC)}
 
 @contextlib.contextmanager
 def storing(path: Path) -> Iterator[None]:
-    """Convert any error of the operating system while this file is written or read into a StorageError of one line."""
+    """Convert any error of the operating system during access to this file into a StorageError with a message of one
+    line.
+    """
     try:
         yield
     except OSError as error:
@@ -65,7 +68,7 @@ FOLDERS_OF_RUNS = {"traj": ".gsd", "ckpt": ".npz"}
 
 
 def _is_part_of_a_run(path: Path) -> bool:
-    """Whether a run consists of this file and others: it has one of their names, or is in one of its folders."""
+    """Whether a file is a part of a run: it has the name of one of its files, or is in one of its folders."""
     inside = FOLDERS_OF_RUNS.get(path.parent.name, "") == path.suffix != ""
     home = path.parent.parent if inside else path.parent
     is_run = (home / "traj").is_dir() and any((home / name).is_file() for name in ("resolved.json", "manifest.json"))
@@ -87,12 +90,12 @@ def replaceable(path: Path) -> Path:
 
 
 def partial_of(path: Path) -> Path:
-    """The name under which this process writes a file until it is complete: no other process writes under it."""
+    """The name under which this process writes a file until it is complete, and which no other process uses."""
     return path.with_name(f".{_shortened(path.stem)}.{os.getpid()}-{secrets.token_hex(4)}.partial{path.suffix}")
 
 
 def _shortened(stem: str) -> str:
-    """The beginning of a name that leaves room for more: systems know names of up to 255 bytes."""
+    """The beginning of a name, shortened so that a suffix can be added: names may have up to 255 bytes."""
     return os.fsencode(stem)[:MOST_STEM_BYTES].decode(errors="ignore")
 
 
@@ -110,10 +113,10 @@ def remove_abandoned(path: Path) -> None:
 
 @contextlib.contextmanager
 def replacing(path: Path, root: Path | None = None, *, settled: bool = True) -> Iterator[BufferedRandom]:
-    """A context for the new content of a file, which replaces the old one atomically if the block
-    succeeds.
+    """A context for the new content of a file, which atomically replaces the old one if the block succeeds.
 
-    Below `root`, a run directory, no link is followed. `settled` waits until the content is on the disk.
+    Below `root`, a run directory, links are not followed. With `settled`, the content is on the disk when the context
+    ends.
     """
     named = path
     with storing(named), place_of(path if root else replaceable(path), root) as place:
@@ -138,7 +141,7 @@ def replacing(path: Path, root: Path | None = None, *, settled: bool = True) -> 
 
 
 def write_whole(path: Path, content: bytes | str, root: Path | None = None, *, settled: bool = True) -> None:
-    """Replace the content of a file, or keep the old one after a failure; `root` and `settled` as in `replacing`."""
+    """Replace the content of a file, or leave the old one after a failure; `root` and `settled` as in `replacing`."""
     with replacing(path, root, settled=settled) as file:
         file.write(content.encode() if isinstance(content, str) else content)
 
@@ -206,7 +209,7 @@ switch = _check("true or false", lambda value: isinstance(value, bool))
 
 
 def optional(check: Check) -> Check:
-    """The check of a value of this kind, or null."""
+    """A check for a value of this kind, or null."""
 
     def either(value: object, path: str) -> None:
         if value is not None:
@@ -216,7 +219,7 @@ def optional(check: Check) -> Check:
 
 
 def listed(check: Check) -> Check:
-    """The check of a list of values of this kind."""
+    """A check for a list of values of this kind."""
 
     def each(value: object, path: str) -> None:
         if not isinstance(value, list):
@@ -228,7 +231,7 @@ def listed(check: Check) -> Check:
 
 
 def named(check: Check) -> Check:
-    """The check of a table of values of this kind, with any names."""
+    """A check for a table of values of this kind, with any names."""
 
     def each(value: object, path: str) -> None:
         if not isinstance(value, dict):
@@ -241,7 +244,7 @@ def named(check: Check) -> Check:
 
 
 def table(required: Mapping[str, Check], others: Mapping[str, Check] | None = None, rest: Check = anything) -> Check:
-    """The check of a table with these keys, those of `others` if present, and `rest` for any further key."""
+    """A check for a table with the required keys, those of `others` if present, and `rest` for any other key."""
     known = {**required, **(others or {})}
 
     def check(value: object, path: str) -> None:
@@ -309,7 +312,7 @@ LINE = table({"step": whole, "time": number}, rest=optional(number))
 
 
 def as_json(plain: Any) -> str:
-    """Plain data as readable JSON text, from which floats are recovered exactly."""
+    """Plain data as readable JSON text, from which floats can be restored exactly."""
     return json.dumps(plain, indent=2) + "\n"
 
 
@@ -324,12 +327,12 @@ def plain_of(content: bytes) -> object:
 
 
 def write_json(path: Path, plain: Any) -> None:
-    """Replace a file of the user's by plain data."""
+    """Replace a user's file by plain data."""
     write_whole(path, as_json(plain))
 
 
 def json_of(path: Path, root: Path | None = None) -> dict[str, Any]:
-    """The plain data of a file. Raises StorageError for anything else. Below `root` no link is followed."""
+    """The plain data of a file. Raises StorageError for anything else. Below `root`, links are not followed."""
     with storing(path):
         content = content_of(path, MOST_BYTES, root)
     return _table_of(content, path)
@@ -346,8 +349,8 @@ def _table_of(content: bytes, path: Path) -> dict[str, Any]:
 
 
 def sealed(plain: Mapping[str, Any], owner: str = "") -> str:
-    """The text of a record: its data and their checksum, which includes the `owner`: the run and the name of the
-    record's file. In another run, or under another name, the checksum does not fit.
+    """The text of a record: its data and their checksum, which includes the `owner`, that is, the run and the name of
+    the file. In another run, or under another name, the checksum does not match.
     """
     return as_json({**plain, CRC: _crc(as_json(plain), owner)})
 
@@ -362,8 +365,8 @@ def _crc(content: str, owner: str) -> str:
 
 
 def identity(manifest: Mapping[str, Any]) -> str:
-    """The identity of a run, which enters the checksums of its files: a digest of scene and code. Runs of equal scenes
-    with equal code share it, and have the same files.
+    """The identity of a run, which is included in the checksums of its files: a digest of scene and code. Runs of equal
+    scenes with equal code have the same identity and the same files.
     """
     parts = [manifest.get(name) for name in ("scene_sha256", "extra_laws", "actions", "engine", "imported")]
     return hashlib.sha256(json.dumps(parts, sort_keys=True).encode()).hexdigest()[:16]
@@ -375,7 +378,7 @@ def write_record(path: Path, plain: Mapping[str, Any], root: Path, *, owner: str
 
 
 def record_at(path: Path, check: Check, root: Path, *, checked: bool | None, owner: str = "") -> dict[str, Any]:
-    """The data of a record of a run. Raises StorageError unless they are as they were written and of this kind.
+    """The data of a record of a run. Raises StorageError if they were changed after writing, or are of another kind.
 
     `checked` is whether a checksum is required; None if the record itself contains the format of the run.
     """
@@ -392,7 +395,7 @@ def record_at(path: Path, check: Check, root: Path, *, checked: bool | None, own
 
 
 def line_of(content: bytes, check: Check, *, checked: bool, owner: str = "") -> dict[str, Any]:
-    """The data of a line with its line break. Raises ValueError unless they are as they were written."""
+    """The data of a line with its line break. Raises ValueError if they were changed after writing."""
     plain = plain_of(content)
     if not isinstance(plain, dict) or not content.endswith(b"\n"):
         raise ValueError("expected a table in a line")
@@ -405,7 +408,7 @@ def line_of(content: bytes, check: Check, *, checked: bool, owner: str = "") -> 
 def unsealed(
     plain: dict[str, Any], content: bytes, owner: str = "", seal: Callable[[Mapping[str, Any], str], str] = sealed
 ) -> dict[str, Any]:
-    """The data without their checksum. Raises ValueError where that does not fit them and their owner."""
+    """The data without their checksum. Raises ValueError if it does not match the data and their owner."""
     bare = {name: value for name, value in plain.items() if name != CRC}
     try:
         written = seal(bare, owner).encode()
@@ -417,7 +420,7 @@ def unsealed(
 
 
 def clean(content: object) -> str:
-    """The text with each character that `words` refuses replaced by a question mark.
+    """The text in which each character that `words` refuses is replaced by a question mark.
 
     >>> clean('a $(b) "c"')
     'a ?(b) ?c?'
@@ -436,8 +439,8 @@ def manifest_at(root: Path) -> dict[str, Any]:
 
 
 def resolved_at(root: Path, manifest: Mapping[str, Any]) -> bytes:
-    """The resolved scene of a run. Raises StorageError unless it is the one that the run began with: with another one
-    a run would continue, and every picture of it would be wrong.
+    """The resolved scene of a run. Raises StorageError unless it is that with which the run started: with another
+    scene, continued runs and pictures would be wrong.
     """
     path = root / "resolved.json"
     with storing(path):
@@ -449,7 +452,7 @@ def resolved_at(root: Path, manifest: Mapping[str, Any]) -> bytes:
 
 
 def scene_at(root: Path, manifest: Mapping[str, Any]) -> dict[str, Any]:
-    """The plain data of that scene."""
+    """The plain data of the resolved scene of a run."""
     path, content = root / "resolved.json", resolved_at(root, manifest)
     with storing(path):
         require_memory(READ * len(content), path)

@@ -70,8 +70,8 @@ def sum_of(content: bytes, run: str) -> int:
 
 
 def rows_of(path: Path, run: str) -> bytes:
-    """The complete rows of a table of samples that were shown to readers. Raises StorageError where they are not as
-    they were written. Those of runs of earlier versions, without an identity, have no checksum.
+    """The complete rows of a table of samples that are visible to readers. Raises StorageError if they were changed.
+    Rows of runs of earlier versions, without an identity, have no checksum.
     """
     entry = _last_sum(path.with_name(SUMS), run) if run else None
     with storing(path):
@@ -79,7 +79,7 @@ def rows_of(path: Path, run: str) -> bytes:
     if not run:
         return content[: content.rfind(b"\n") + 1]
     size = entry["bytes"] if entry else 0
-    done = (path.parent / "DONE.json").exists()  # else rows may have been written after the last frame
+    done = (path.parent / "DONE.json").exists()  # otherwise rows may have been written after the last frame
     if len(content) < size or (done and len(content) > size):
         raise StorageError(f"{path}: damaged: has {len(content)} bytes; expected {size}")
     if entry and sum_of(content[:size], run) != entry["crc"]:
@@ -88,10 +88,10 @@ def rows_of(path: Path, run: str) -> bytes:
 
 
 def _last_sum(path: Path, run: str) -> dict[str, Any] | None:
-    """The last entry of the checksums of samples; each of them is checked."""
+    """The last entry of the checksums of samples, after testing all entries."""
     with storing(path):
         lines = content_of(path, LARGEST, path.parent).splitlines(keepends=True)
-    if lines and not lines[-1].endswith(b"\n"):  # a run is writing just now, or was killed
+    if lines and not lines[-1].endswith(b"\n"):  # a run is writing at present, or was killed
         lines.pop()
     entry, before = None, 0
     for number, line in enumerate(lines, start=1):
@@ -140,7 +140,7 @@ class Samples:
 
     @property
     def times(self) -> NDArray[np.float64]:
-        """The mean time of the samples of each row, s."""
+        """The mean time of the samples of each row (s)."""
         return self._values[:, 1]
 
     @cached_property
@@ -165,8 +165,8 @@ class Samples:
         return self._column(name, 3) if self.blocks else np.full(len(self._column(name, 0)), np.nan)
 
     def average(self, name: str, start: float = 0.0, end: float = math.inf) -> Average:
-        """The mean over all samples between two times (s). Its standard error follows from the scatter of the rows, so
-        it is right for correlated samples too if blocks are longer than the correlation time.
+        """The mean over all samples between two times (s). Its standard error follows from the scatter of the rows, and
+        is therefore also correct for correlated samples if blocks are longer than the correlation time.
         """
         chosen = (self.times >= start) & (self.times <= end)
         values, weights = self.mean(name)[chosen], self.counts[chosen]
@@ -185,7 +185,7 @@ class Samples:
         return library("pandas").DataFrame(self.columns())
 
     def columns(self) -> dict[str, NDArray[Any]]:
-        """All columns by name: `step`, `time`, `kinetic_energy`; of blocks also `samples`, `kinetic_energy_min` ..."""
+        """All columns by name: `step`, `time`, `kinetic_energy`; for blocks also `samples`, `kinetic_energy_min` ..."""
         ends = STATISTICS if self.blocks else STATISTICS[:1]
         names = [f"{name}{end}" for name in self.names for end in ends]
         lead: dict[str, NDArray[Any]] = {"step": self.steps, "time": self.times}
@@ -197,7 +197,7 @@ class Samples:
         return len(self._values)
 
     def __repr__(self) -> str:
-        """`Samples('runs/bowl', 120 rows, 0 s to 12 s: kinetic_energy, contacts)`."""
+        """A text such as `Samples('runs/bowl', 120 rows, 0 s to 12 s: kinetic_energy, contacts)`."""
         span = f", {self.times[0]:.6g} s to {self.times[-1]:.6g} s" if len(self) else ""
         return f"Samples({str(self.path.parent)!r}, {len(self)} rows{span}: {', '.join(self.names)})"
 

@@ -1,10 +1,10 @@
-"""The files of a trajectory: reading frames, and appending whole frames.
+"""The files of a trajectory: reading frames, appending complete frames, verification and repair.
 
-Verification of a trajectory: each byte is what was written, or is reported; and repair, which keeps whole frames.
+Verification reports every byte that was changed after writing; repair preserves complete frames.
 
-The checksum of a frame covers its chunks: their names, shapes and data. All else in a file follows from the index:
-the header, the list of names, blocks of the index that were left behind when it grew, and zeros in between. What a
-killed process wrote after the last whole frame belongs to no frame; it is reported as a remark.
+The checksum of a frame covers its chunks: their names, shapes and data. The remaining bytes of a file follow from the
+index: the header, the list of names, former blocks of the index, and zeros in between. Data that a killed process wrote
+after the last complete frame belong to no frame, and are reported as a remark.
 """
 
 from __future__ import annotations
@@ -36,12 +36,12 @@ NAMES_LOCATION = gsd.FILE_HEADER.itemsize + FIRST_ROOM * ENTRY.itemsize
 
 
 class Segment:
-    """An open file of a trajectory, for reading; `frames` is the number of its whole frames."""
+    """An open file of a trajectory, for reading; `frames` is the number of its complete frames."""
 
     def __init__(self, path: Path) -> None:
         self.path = path
         with storing(path):
-            self._file = opened(path, "r", root_of(path))  # without a buffer, which would not see what a run writes
+            self._file = opened(path, "r", root_of(path))  # unbuffered, since a buffer would hide what a run writes
         try:
             self._base = 0
             self.refresh()
@@ -53,13 +53,15 @@ class Segment:
             raise
 
     def refresh(self) -> None:
-        """Look for new frames of a running run."""
+        """Read the index again, for new frames of a running run."""
         self.index = gsd.read_index(self._file, self.path)
         self.frames = self.index.frames
         self._starts = np.searchsorted(self.index.entries["frame"], np.arange(self.frames + 1))
 
     def chunks(self, frame: int) -> Chunks:
-        """The chunks of a frame, those that never change from the first. Raises StorageError where it is damaged."""
+        """The chunks of a frame; those that never change are in the first frame. Raises StorageError if the frame is
+        damaged.
+        """
         chunks = {**self.first, **self._at(frame)}
         if CHECKSUM not in chunks or chunks[CHECKSUM].shape != (2, 1):
             raise StorageError(self.damage(frame, "its checksum is missing"))
@@ -71,7 +73,7 @@ class Segment:
         return chunks
 
     def unproven(self) -> Iterator[int]:
-        """Yield the frames whose checksums do not fit, reading the bytes piece by piece without an array for each
+        """Yield the frames whose checksums do not match, reading the bytes piece by piece without an array for each
         chunk.
         """
         first: dict[int, tuple[bytes, int, int]] = {}
@@ -97,18 +99,20 @@ class Segment:
                 yield frame
 
     def frame(self, number: int) -> Frame:
-        """A frame. Raises StorageError where it is damaged."""
+        """A frame by its number. Raises StorageError if it is damaged."""
         try:
             return gsd.frame_of(self.chunks(number), self.header)
         except (KeyError, ValueError, IndexError) as error:
             raise StorageError(self.damage(number, f"its data do not fit its header: {error}")) from error
 
     def damage(self, frame: int, why: str = "its checksum does not fit its data") -> str:
-        """The message about a frame whose bytes are not those that were written."""
+        """The message on a frame whose bytes were changed after writing."""
         return f"{self.path}: frame {self._base + frame} is damaged: {why}"
 
     def numbers(self) -> NDArray[np.void]:
-        """The numbers of all frames, a row a frame: the step as uint64, the time and the named numbers as float64."""
+        """The numbers of all frames, with a row per frame: the step as uint64, the time and the named numbers as
+        float64.
+        """
         names = gsd.number_names(self.header)
         places = np.stack([self._places(name) for name in (*names, CHECKSUM)], axis=1)
         cells = _gathered(self._file, places)
@@ -119,8 +123,8 @@ class Segment:
         return raw.view([(name, "<u8" if row == 0 else "<f8") for row, name in enumerate(names)])[:, 0]
 
     def _places(self, name: str) -> NDArray[np.int64]:
-        """The position of the number of this name in each frame; constant numbers are stored in the
-        first frame only.
+        """The position in the file of the number with this name for each frame; constant numbers are stored only in the
+        first frame.
         """
         if name not in self.index.names:
             raise StorageError(self.damage(0))
@@ -148,7 +152,7 @@ class Segment:
         return np.frombuffer(raw, kind).reshape(int(entry["rows"]), int(entry["columns"]))
 
     def bytes_at(self, start: int, count: int) -> bytes:
-        """The bytes of the file there; fewer where it ends."""
+        """The bytes of the file at a position, or fewer at its end."""
         with storing(self.path):
             require_memory(count, self.path)
             return read_at(self._file, start, count)
@@ -193,7 +197,7 @@ def _fits(
     numbers: Sequence[int],
     seal: int,
 ) -> bool:
-    """Whether the checksums of a frame fit its chunks, given the description, start and end of each."""
+    """Whether the checksums of a frame match its chunks, given the description, start and end of each."""
     crc = 0
     for name in order:
         if name in found:
@@ -208,9 +212,10 @@ def _fits(
 
 
 class GrowingSegment:
-    """An open file of a trajectory, for appending. A frame is on the disk when `append` returns; it is whole or absent.
+    """An open file of a trajectory, for appending. When `append` returns, the frame is on the disk; a frame is either
+    complete or missing.
 
-    `size` (bytes) is the same for the same frames, however often the run was interrupted.
+    `size` (bytes) depends only on the frames, not on interruptions of the run.
 
     The GSD library is not used for writing: on a full disk it can lose frames that were committed, since it continues
     after an index that could not grow.
@@ -227,17 +232,17 @@ class GrowingSegment:
         self._truncate(index.entries[index.entries["frame"] < frames], index.names_end)
 
     def takes(self, chunks: Chunks) -> bool:
-        """Whether the frame has the same arrays and numbers as the frames before."""
+        """Whether the frame has the same arrays and numbers as the previous frames."""
         return chunks.keys() == self._first.keys() and _same(chunks[gsd.HEADER], self._first[gsd.HEADER])
 
     def append(self, chunks: Chunks) -> None:
-        """Commit one frame: its chunks that differ from those of the first."""
+        """Commit one frame: those of its chunks that differ from the first frame."""
         own = {name: chunk for name, chunk in chunks.items() if name == CHECKSUM or not _same(chunk, self._first[name])}
         if self._used + len(own) > self._room:
             self._grow()
         entries, data = _packed(own, self._names, self.frames, self.size)
         self._write(data, self.size)
-        # one wait for the disk is enough for both: after a power failure between them, the checksum differs
+        # a single wait for the disk is sufficient: after a power failure between the two writes, the checksum differs
         self._put(entries.tobytes(), self._location + self._used * ENTRY.itemsize)
         self.size += len(data)
         self._used += len(entries)
@@ -248,7 +253,7 @@ class GrowingSegment:
         self._file.close()
 
     def _grow(self) -> None:
-        """Allocate a larger block of entries at the end of the file; the header refers to it when it is on disk."""
+        """Allocate a larger block of entries at the end of the file; the header refers to it once it is on disk."""
         room = 2 * max(self._room, FIRST_ROOM)
         self._file.seek(self._location)
         block = self._file.read(self._used * ENTRY.itemsize).ljust(room * ENTRY.itemsize, b"\0")
@@ -258,13 +263,13 @@ class GrowingSegment:
         self.size += len(block)
 
     def _truncate(self, entries: NDArray[Any], names_end: int) -> None:
-        """Reduce the file to the frames that are kept, after an interruption or damage."""
+        """Truncate the file to the frames that remain, after an interruption or damage."""
         block = entries.tobytes().ljust(self._room * ENTRY.itemsize, b"\0")
         self._used = len(entries)
         self.size = max(names_end, self._location + len(block), _data_end(entries))
         self._put(header_of(self._location, self._room, self._names), 0)
         self._put(block, self._location)
-        if (gap := self._location - max(names_end, _data_end(entries))) > 0:  # the names of removed frames
+        if (gap := self._location - max(names_end, _data_end(entries))) > 0:  # clear the names of removed frames
             self._put(bytes(gap), self._location - gap)
         with storing(self.path):
             self._file.truncate(self.size)
@@ -291,7 +296,7 @@ class GrowingSegment:
 
 
 def create(path: Path, chunks: Chunks) -> None:
-    """Create a file with its first frame, completely or not at all."""
+    """Create a file with its first frame, either completely or not at all."""
     names = tuple(chunks)
     names_after = listed(names)
     entries, data = _packed(chunks, names, 0, NAMES_LOCATION + len(names_after))
@@ -318,7 +323,7 @@ def header_of(location: int, room: int, names: Sequence[str]) -> bytes:
 
 
 def cut(path: Path, frames: int) -> None:
-    """Keep only the first frames of a file; remove a file without frames."""
+    """Truncate a file to its first frames; remove a file without frames."""
     if frames:
         GrowingSegment(path, frames).close()
         return
@@ -328,7 +333,7 @@ def cut(path: Path, frames: int) -> None:
 
 
 def root_of(path: Path) -> Path:
-    """The folder below which no link is followed to a segment: the run directory, or the folder of a trajectory."""
+    """The folder of a segment below which links are not followed: the run directory, or the folder of a trajectory."""
     folder = path.parent
     return folder.parent if folder.name == "traj" else folder
 
@@ -350,7 +355,7 @@ def _data_end(entries: NDArray[Any]) -> int:
 
 
 def _same(one: NDArray[Any], other: NDArray[Any]) -> bool:
-    """The same bits: a NaN equals itself, and minus zero is not zero."""
+    """Whether two arrays have the same bits: a NaN equals itself, and minus zero differs from zero."""
     return one.dtype == other.dtype and one.shape == other.shape and one.tobytes() == other.tobytes()
 
 
@@ -364,10 +369,9 @@ def segment_files(folder: Path) -> list[Path]:
 
 
 class Recorder:
-    """An open trajectory, a folder with `0000.gsd`, `0001.gsd` and so on, to which frames are
-    appended.
+    """An open trajectory, a folder with `0000.gsd`, `0001.gsd` and so on, to which frames are appended.
 
-    A folder that holds frames is continued. When `write` returns, the frame is on the disk, whole.
+    New frames continue those in an existing folder. When `write` returns, the complete frame is on the disk.
     """
 
     def __init__(
@@ -380,8 +384,9 @@ class Recorder:
         single: bool = False,
         run: str = "",
     ) -> None:
-        """`species` are their names, in the order of their numbers, and `colors` theirs, `#rrggbb`, for viewers of the
-        files. `single` is the precision of arrays, `run` the identity of the run.
+        """Open or create a trajectory. `species` are the names of species in the order of their numbers, and `colors`
+        their colors, `#rrggbb`, for viewers of the files. `single` is the precision of arrays, `run` the identity of
+        the run.
         """
         self.folder, self._species, self._colors, self._largest = folder, tuple(species), tuple(colors), largest
         self._single, self._run = single, run
@@ -391,7 +396,7 @@ class Recorder:
         self._attach()
 
     def write(self, frame: Frame, step: int) -> None:
-        """Commit one frame, taken at this time step."""
+        """Commit one frame, recorded at this time step."""
         if self._segment is None or not self._appended(self._segment, frame, step):
             self._begin(frame, step)
         self.frames += 1
@@ -421,7 +426,7 @@ class Recorder:
         self.close()
 
     def _attach(self) -> None:
-        """Continue the last segment, reduced to its whole frames."""
+        """Continue the last segment, truncated to its complete frames."""
         files = segment_files(self.folder)
         self._number, self.frames = int(files[-1].stem) + 1 if files else 0, 0
         if files:
@@ -461,13 +466,13 @@ class Checked(NamedTuple):
 
 
 def require_own(segment: Segment, run: str) -> None:
-    """Raise StorageError for a segment of another run than that of this identity."""
+    """Raise StorageError if the segment belongs to a run with another identity."""
     if segment.header.run != run:
         raise StorageError(f"{segment.path}: is of another run")
 
 
 def set_foreign_aside(folder: Path, run: str) -> list[str]:
-    """Set aside the segments of other runs. Returns a list of the actions."""
+    """Rename the segments of other runs. Returns a list of the actions."""
     found = []
     for path in segment_files(folder):
         with contextlib.suppress(StorageError), contextlib.closing(Segment(path)) as segment:
@@ -477,8 +482,8 @@ def set_foreign_aside(folder: Path, run: str) -> list[str]:
 
 
 def check(folder: Path, *, trusted: frozenset[str] = frozenset(), run: str = "") -> Checked:
-    """Verify the segments of a folder, except those whose names are `trusted`: their digests have been compared. All
-    must be of the run with this identity.
+    """Verify the segments of a folder, except the `trusted` ones, whose digests have already been compared. All must
+    belong to the run with this identity.
     """
     frames, good = 0, None
     faults: list[str] = []
@@ -509,7 +514,7 @@ def check(folder: Path, *, trusted: frozenset[str] = frozenset(), run: str = "")
 
 
 def good_frames(folder: Path) -> int:
-    """The number of frames before the first that is missing or damaged; each of them is read."""
+    """The number of frames before the first missing or damaged one, after reading them."""
     frames = 0
     for path in segment_files(folder):
         with contextlib.closing(Segment(path)) as segment:
@@ -522,7 +527,7 @@ def good_frames(folder: Path) -> int:
 
 
 def damages(segment: Segment) -> Iterator[tuple[int, str]]:
-    """The damaged frames of a segment: their numbers in it, and a line each."""
+    """The damaged frames of a segment: their numbers in it, and a message for each."""
     for frame in segment.unproven():
         try:
             segment.chunks(frame)
@@ -577,7 +582,9 @@ def _was_block(content: bytes, entries: bytes) -> bool:
 
 
 class Repaired(NamedTuple):
-    """The number of good frames, the faults of the others (a line each), and the files without any."""
+    """The number of undamaged frames, the faults of the others (a line each), and the files without any undamaged
+    frame.
+    """
 
     good: int
     faults: tuple[str, ...]
@@ -585,9 +592,9 @@ class Repaired(NamedTuple):
 
 
 def repair(folder: Path) -> Repaired:
-    """Repair the segments of a folder: complete frames are kept, incomplete ones are removed.
+    """Repair the segments of a folder: complete frames remain, incomplete ones are removed.
 
-    Each damaged frame is named. A file without any whole frame is set aside, under a name that ends in `.damaged`.
+    Each damaged frame is reported. A file without any complete frame is renamed with the ending `.damaged`.
     """
     good, faults, unusable = 0, [], []
     for path in segment_files(folder):

@@ -1,4 +1,4 @@
-"""Tables: frames as tables of other libraries, a column per component of an array, and rows as CSV."""
+"""Frames as tables of other libraries, with a column per component of an array, and rows as CSV."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ class Written(Protocol):
 
 
 def write_rows(file: Written, rows: Iterable[Iterable[object]]) -> None:
-    """Write rows as CSV, with text that no spreadsheet evaluates."""
+    """Write rows as CSV, with text that spreadsheets do not evaluate."""
     csv.writer(file, lineterminator="\n").writerows([cell(value) for value in row] for row in rows)
 
 
@@ -40,7 +40,7 @@ def write_cells(file: Written, rows: Iterable[Iterable[float]]) -> None:
 
 
 def cell(value: object) -> object:
-    """A value for a CSV file: text that a spreadsheet would evaluate gets an apostrophe in front.
+    """A value for a CSV file; an apostrophe precedes text that a spreadsheet would evaluate.
 
     >>> [cell(value) for value in ("=1+1", "-1.5e-3 mm", "-a", -2.0)]
     ["'=1+1", '-1.5e-3 mm', "'-a", -2.0]
@@ -50,7 +50,7 @@ def cell(value: object) -> object:
 
 
 def library(name: str) -> Any:
-    """An optional library. Raises BadInput if it is not installed."""
+    """The module of an optional library. Raises BadInput if it is not installed."""
     try:
         return importlib.import_module(name)
     except ImportError as error:
@@ -58,7 +58,7 @@ def library(name: str) -> Any:
 
 
 def of_particles(frames: Sequence[Frame]) -> Columns:
-    """A row per particle and frame, a column per component of each array that all frames have."""
+    """A table with a row per particle and frame, and a column per component of each array that all frames have."""
     counts = [len(next(iter(frame.arrays.values()), ())) for frame in frames]
     shared = [name for name in (frames[0].arrays if frames else ()) if all(name in frame.arrays for frame in frames)]
     columns: Columns = {

@@ -28,7 +28,7 @@ ALIKE = (1e-6, 1e-4)
 
 
 class Layout(NamedTuple):
-    """The positions of the frames in a file."""
+    """The positions of frames in a file."""
 
     start: int
     particles: int
@@ -90,7 +90,7 @@ def layout_of(file: BufferedReader, size: int) -> Layout:
 
 
 def _box(record: bytes) -> tuple[tuple[float, float, float] | None, float]:
-    """The sides, and 1 for a box that is not rectangular; none for a box without volume."""
+    """The sides, and 1 if the box is not rectangular, otherwise 0; no sides for a box without volume."""
     a, gamma, b, beta, alpha, c = struct.unpack("<6d", record)
     if not (np.isfinite([a, b, c]).all() and min(a, b, c) > 0.0):
         return None, 0.0

@@ -55,7 +55,7 @@ def read(text: str, index: int = -1) -> Particles:
 
 
 def series(text: str) -> tuple[int, Callable[[int], Particles]]:
-    """The number of frames, and the reader of each: the text is divided once. Raises ValueError."""
+    """The number of frames, and a function that reads a frame; the text is divided only once. Raises ValueError."""
     lines = text.splitlines()
     starts = _starts(lines)
     return len(starts), lambda index: _frame(lines, starts, index)
@@ -168,7 +168,7 @@ def _particles(table: Table) -> Particles:
     if "s" in columns[0]:
         position = low + position @ lattice.T
     images = _images(table, place_of, order, columns)
-    if len(table.box[0]) > AXES:  # edges point anywhere
+    if len(table.box[0]) > AXES:  # edges may have any direction
         sides, tilt, turned = edges_of(lattice.T)
         images = None if images is None else images @ turned
     else:
@@ -181,7 +181,7 @@ def _particles(table: Table) -> Particles:
 
 
 def _order(table: Table, place_of: Mapping[str, int]) -> NDArray[np.int64]:
-    """The rows in the order of ids: a dump holds them in any order."""
+    """The rows in the order of ids; in a dump they may have any order."""
     ids = _column(table, place_of, "id", np.arange(len(table.rows)))
     if ids is None:
         return np.arange(len(table.rows))
@@ -207,7 +207,7 @@ def _lattice(box: Sequence[Sequence[float]]) -> tuple[NDArray[np.float64], NDArr
 
 
 def _columns_of_positions(table: Table, place_of: Mapping[str, int]) -> tuple[str, str, str]:
-    """The names of the columns of positions; those of unwrapped ones where wrapped ones have no image numbers."""
+    """The names of the columns of positions; those of unwrapped positions if wrapped ones have no image numbers."""
     there = [names for names in POSITIONS if names[0] in place_of and names[1] in place_of] or [POSITIONS[0]]
     known = IMAGES[0] in place_of and IMAGES[1] in place_of
     return next((names for names in there if "u" in names[0] and not known), there[0])

@@ -78,7 +78,7 @@ def _particles(file: FileIO, index: Index, frame: int) -> Particles:
 
 
 def _tilt(box: list[float]) -> float:
-    """The largest shift of a side of a box: HOOMD's tilts are those over the height and the depth."""
+    """The largest shift of a side of a box (HOOMD's tilts are relative to height and depth)."""
     _, y, z, xy, xz, yz = box
     return max(abs(xy) * y, abs(xz) * z, abs(yz) * z)
 
@@ -113,7 +113,7 @@ def _names(types: Chunk | None) -> tuple[str, ...]:
 
 
 def _entry(index: Index, frame: int, name: str) -> Any:
-    """The entry of a chunk of a frame; None without one. Entries are in the order of frames."""
+    """The entry of a chunk of a frame; None if it does not exist. Entries are in the order of frames."""
     if name not in index.names:
         return None
     order = index.entries["frame"]
@@ -123,7 +123,7 @@ def _entry(index: Index, frame: int, name: str) -> Any:
 
 
 def _chunk(file: FileIO, index: Index, frame: int, name: str) -> Chunk | None:
-    """A chunk of a frame, or that of the first frame. The index lists no chunk that is not in the file."""
+    """A chunk of a frame, or that of the first frame. All chunks in the index are inside the file."""
     for number in (frame, 0):
         entry = _entry(index, number, name)
         if entry is not None:

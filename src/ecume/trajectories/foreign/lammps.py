@@ -162,9 +162,9 @@ def _style(atoms: Section) -> list[str]:
 
 
 def _names(labels: Sequence[str], sections: Mapping[str, Section]) -> tuple[str, ...]:
-    """The names of the types: labels where the file gives them, or their numbers."""
+    """The names of the types: their labels if the file has them, otherwise their numbers."""
     if "Atom Type Labels" in sections:
-        lines = sections["Atom Type Labels"].lines  # in any order
+        lines = sections["Atom Type Labels"].lines  # labels may be in any order
         return tuple(line.words[-1] for line in sorted(lines, key=lambda line: whole(line.words[0], line.number, 1)))
     used = set(labels)
     return tuple(sorted(used, key=lambda label: (len(label), label)))

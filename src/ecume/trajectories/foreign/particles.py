@@ -1,4 +1,4 @@
-"""Particles of a file of another program, and the report of its faults."""
+"""Particles of a file of another program, and errors in such files."""
 
 from __future__ import annotations
 
@@ -62,7 +62,7 @@ def number(word: str, line: int) -> float:
 
 
 def instant_of(text: str) -> float | None:
-    """The time or time step in a text, in the unit of the file; None where it is no number."""
+    """The time or time step in a text, in the unit of the file; None if it is not a number."""
     try:
         value = float(text.strip().rstrip(",;"))
     except ValueError:
@@ -78,7 +78,7 @@ def whole(word: str, line: int, least: int = 0) -> int:
 
 
 def require_count(count: int, lines: int, line: int) -> None:
-    """Raise FileFault where a file announces more particles than it can have."""
+    """Raise FileFault if a file states more particles than its lines can contain."""
     if count > MOST_PARTICLES:
         raise FileFault(f"announces {count} particles; at most {MOST_PARTICLES} can be read", line)
     if count > lines:
@@ -103,9 +103,7 @@ Sides = tuple[float, float, float]
 
 
 def box_of(sides: Sequence[float], line: int | None = None) -> Sides | None:
-    """The sides of a box; None where it has no area, as the box of an open system. Raises FileFault for sides that no
-    box has.
-    """
+    """The sides of a box; None if its area is zero, as for an open system. Raises FileFault for impossible sides."""
     x, y, z = map(float, sides)
     if not (math.isfinite(x) and math.isfinite(y) and math.isfinite(z) and min(x, y, z) >= 0.0):
         raise FileFault(f"got a box with the sides {x:g}, {y:g} and {z:g}; expected positive ones", line)
@@ -124,14 +122,15 @@ class Edges(NamedTuple):
 
 
 def edges_of(edges: NDArray[np.float64]) -> Edges:
-    """The box of edges (3, 3), one a row: along the axes in any order and direction, or tilted.
+    """The box with these edges (3, 3), one per row: along the axes in any order and direction, or tilted.
 
     >>> edges_of(np.array([[0.0, 2.0, 0.0], [-3.0, 0.0, 0.0], [0.0, 0.0, 1.0]])).sides
     (3.0, 2.0, 1.0)
     """
     size = np.abs(edges)
     images, diagonal = np.eye(AXES, dtype=np.int64), size.diagonal()
-    # the row of each column's largest number: those of a box along the axes differ. An edge of 0 is that of z
+    # The row of the largest number in each column; these rows differ for a box along the axes. An edge of 0 is that of
+    # z.
     order = (size + np.finfo(np.float64).tiny * np.eye(AXES)).argmax(axis=0)
     if sorted(order.tolist()) == [*range(AXES)]:
         images[...] = 0

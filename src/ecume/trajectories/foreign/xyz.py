@@ -64,7 +64,9 @@ def read(text: str, index: int = -1) -> Particles:
 
 
 def series(text: str) -> tuple[int, Callable[[int], Particles]]:
-    """The number of frames, and the reader of each: the text is divided once. Raises FileFault or ValueError."""
+    """The number of frames, and a function that reads a frame; the text is divided only once. Raises FileFault or
+    ValueError.
+    """
     lines = text.splitlines()
     starts = _starts(lines)
     return len(starts), lambda index: _frame(lines, starts, index)
@@ -100,7 +102,7 @@ def _frame(lines: Sequence[str], starts: Sequence[int], index: int) -> Particles
 
 
 def _images(found: NDArray[np.float64] | None) -> NDArray[np.int64] | None:
-    """The image numbers (N, 3), zero along axes without; None where the file has none."""
+    """The image numbers (N, 3), zero along axes that have none; None if the file has none."""
     if found is None or found.shape[1] > AXES:
         return None
     images = np.zeros((len(found), AXES), np.int64)
@@ -109,7 +111,7 @@ def _images(found: NDArray[np.float64] | None) -> NDArray[np.int64] | None:
 
 
 def _velocities(values: Mapping[str, NDArray[np.float64]], line: int) -> NDArray[np.float64] | None:
-    """Velocities, or momenta over masses, as ASE writes them."""
+    """Velocities, or momenta over masses, which ASE writes instead."""
     if "velocity" in values or "momentum" not in values:
         return values.get("velocity")
     if "mass" in values:
@@ -164,7 +166,7 @@ def _values(rows: Sequence[Sequence[str]], column: Column, line: int) -> NDArray
 
 
 class Box(NamedTuple):
-    """A box; without sides where it is not periodic."""
+    """A box, without sides if it is not periodic."""
 
     sides: Sides | None
     tilt: float
