@@ -1,6 +1,6 @@
-"""Figures that any run can have: numbers over time, clusters of what touches, paths, and samples between frames.
+"""Figures for runs of any model: numbers over time, clusters, paths, and samples between frames.
 
-The last part is the figure of a fit: where objects were and where the simulation has them, and the residuals.
+The last part is the figure of a fit: measured and simulated positions, and the residuals.
 """
 
 from __future__ import annotations
@@ -45,7 +45,7 @@ ROOM = 0.06
 
 
 def limits_without_spikes(curves: Array | list[Array]) -> tuple[float, float]:
-    """The least and the largest value of curves (K, N), without outliers.
+    """The smallest and the largest value of curves (K, N), without outliers.
 
     >>> limits_without_spikes([np.array([0.0, 1.0] * 20 + [99.0])])
     (0.0, 1.0)
@@ -66,7 +66,7 @@ def limits_without_spikes(curves: Array | list[Array]) -> tuple[float, float]:
 def cut_spikes(axes: Axes, instants: Array, curves: Array, unit: str) -> None:
     """Set limits without outliers, and mark each outlier at the edge of the axes with its value.
 
-    Of outliers that follow each other only the largest one is marked.
+    Among consecutive outliers only the largest one is marked.
     """
     low, high = limits_without_spikes(curves)
     room = ROOM * (high - low)
@@ -89,7 +89,7 @@ def _peaks(values: Array, edge: float) -> list[int]:
 
 
 def _mark(axes: Axes, at: tuple[float, float], text: str, *, up: bool) -> None:
-    """Draw a triangle at the edge of the axes, with a value beside it."""
+    """Draw a triangle at the edge of the axes, with a value next to it."""
     axes.plot(*at, marker="^" if up else "v", color=INK, markersize=5, clip_on=False, zorder=5)
     axes.annotate(text, at, (6, 0), textcoords="offset points", va="center", fontsize=8, color=INK)
 
@@ -138,7 +138,7 @@ def kinetic_energy(frames: Frames, scene: Scene) -> Figure:
     with style():
         drawn = figure()
         axes = over_time(drawn, scene, "Kinetic energy")
-        # The energy of a bowl at rest decays by further decades that do not matter.
+        # The energy of a bowl at rest decays by many further decades, which are not relevant.
         seen = np.where(kinetic > LEAST * kinetic.max(), kinetic, np.nan)
         axes.plot(times(shown), scale.factor * seen, color=PALETTE[1])
         axes.set_xlim(span(times(shown)))
@@ -148,7 +148,7 @@ def kinetic_energy(frames: Frames, scene: Scene) -> Figure:
 
 
 def number_over_time(frames: Frames, scene: Scene, name: str) -> Figure:
-    """A number of the frames over time. Raises BadInput if they have none of this name."""
+    """A number of the frames over time. Raises BadInput if the frames have no number with this name."""
     shown, name = evolution(frames), present_name(name)
     if name not in shown[0].numbers:
         raise BadInput(f"the frames have no number {name!r}; {suggestion(name, sorted(shown[0].numbers))}")
@@ -166,7 +166,7 @@ def number_over_time(frames: Frames, scene: Scene, name: str) -> Figure:
 
 
 def displacement(frames: Frames, scene: Scene) -> Figure:
-    """The mean square displacement over time with ballistic and diffusive slopes; particles count while they are
+    """The mean square displacement over time with ballistic and diffusive slopes; particles are included while they are
     inside.
     """
     # Frames at equal intervals, so that all lags are exact.
@@ -222,7 +222,7 @@ def thinned(frames: Frames) -> list[Frame]:
 
 
 def instants(frames: Frames) -> list[int]:
-    """The numbers of the frames that `thinned` chooses."""
+    """The indices of the frames that `thinned` selects."""
     chosen = np.linspace(0, len(frames) - 1, min(len(frames), MOST_INSTANTS)).round()
     return [int(index) for index in chosen]
 
@@ -281,7 +281,7 @@ def samples_of(frames: Frames) -> Samples | None:
 
 
 def samples(frames: Frames, scene: Scene) -> Figure:
-    """The numbers sampled between frames over time; of blocks the mean, and the range as a band."""
+    """The numbers sampled between frames over time; for blocks the mean, and the range as a band."""
     found = samples_of(frames)
     if found is None:
         raise BadInput("the run has no two rows of samples; write a table [output.samples] with every and block")
@@ -301,12 +301,15 @@ CLASSES = 30
 
 
 def sizes(frames: Frames, scene: Scene) -> Figure:
-    """The sizes of the particles at the end: the part of their number and of their volume in each class of radii."""
+    """The size distribution of the particles at the end: the fraction of their number and of their volume in each class
+    of radii.
+    """
     radius = np.asarray(frames[-1].arrays["radius"], float).ravel()
     scale, spread = scale_for(float(radius.max()), "m"), 100.0 * float(radius.std() / radius.mean())
     low, high = float(radius.min()), float(radius.max())
     around = 0.05 * high if high - low < 1e-9 * high else 0.0
-    classes = min(CLASSES, max(5, round(math.sqrt(len(radius))))) // 2 * 2 + 1  # odd: equal sizes are in the middle one
+    # An odd number, so that equal sizes are in the middle class.
+    classes = min(CLASSES, max(5, round(math.sqrt(len(radius))))) // 2 * 2 + 1
     edges = np.linspace(low - around, high + around, 1 + classes)
     rows = [(np.ones(len(radius)), INK, "of the number"), (radius**3, PALETTE[1], "of the volume")]
     with style():
@@ -328,7 +331,7 @@ def sizes(frames: Frames, scene: Scene) -> Figure:
 
 
 def shown_numbers(found: Samples, main: tuple[str, ...]) -> list[str]:
-    """The numbers of the figure: all of a few, the main ones of many."""
+    """The numbers in the figure: all if there are few, otherwise the main ones."""
     if len(found.names) <= MOST_PANELS:
         return found.names
     return [name for name in found.names if name in main][:MOST_PANELS] or found.names[:MOST_PANELS]

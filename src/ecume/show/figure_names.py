@@ -93,7 +93,7 @@ ELSEWHERE_CALLED = {"msd": "displacement", "g(r)": "pair-distribution", "rdf": "
 
 
 def require_figure(model: str, name: str) -> None:
-    """Raise BadInput if a model of the table has no figure of this name."""
+    """Raise BadInput if a model of the table has no figure with this name."""
     known = FIGURE_NAMES.get(model, ())
     if known and name not in known and not name.startswith(NUMBER):
         usual = ELSEWHERE_CALLED.get(name.lower())

@@ -1,4 +1,4 @@
-"""The figures of each model, functions from frames and their scene to a Matplotlib figure; and the table of all."""
+"""The table of the figures of each model: functions from frames and their scene to a Matplotlib figure."""
 
 from __future__ import annotations
 
@@ -34,7 +34,9 @@ FIGURES: dict[str, Mapping[str, Callable[[Frames, Any], Figure]]] = {
 
 
 def require_same_names(figures: Mapping[str, Iterable[str]], names: Mapping[str, Iterable[str]]) -> None:
-    """Raise TypeError where the names of figures, which are known without this module, are not those of the tables."""
+    """Raise TypeError if the names of figures, which are listed without importing this module, differ from those of the
+    tables.
+    """
     for model in dict.fromkeys((*figures, *names)):
         drawn, known = list(figures.get(model, ())), list(names.get(model, ()))
         if drawn != known:
@@ -55,10 +57,11 @@ def plot(
     out: str | os.PathLike[str] | None = None,
     finish: Finish = Finish(),  # noqa: B008  # it cannot change
 ) -> Path:
-    """Draw a figure of a run, one of its model's in FIGURES, into `out`; by default into a PNG among its results.
+    """Draw a figure of a run, one of those of its model in FIGURES, into `out`; by default into a PNG in its folder of
+    results.
 
-    `number:NAME` draws a number of the frames over time.
-    The name says the format: `energies.pdf` and `energies.svg` are vector graphics. Returns the file that was written.
+    `number:NAME` draws a number of the frames over time. The extension determines the format: `energies.pdf` and
+    `energies.svg` are vector graphics. Returns the written file.
     """
     target = Path(directory) / "results" / f"{what.removeprefix(NUMBER)}.png" if out is None else Path(out)
     return save(finished(drawn_of(directory, what), finish), target)

@@ -1,7 +1,7 @@
-"""Movies of a run: the pictures that they are made of by model, the processes that draw them, and the encoders.
+"""Movies of a run: the table of pictures by model, the processes that draw them, and the encoders.
 
-Pictures in, a movie file out. MP4 and WebM through ffmpeg where there is one; animated WebP and GIF need nothing, so
-that there is always a movie, and neither do numbered PNG files.
+The encoders convert pictures to a movie file. MP4 and WebM require ffmpeg; animated WebP, GIF and numbered PNG files
+are always available.
 """
 
 from __future__ import annotations
@@ -56,7 +56,7 @@ PICTURES = ".png"
 
 
 def writable(out: Path) -> Path:
-    """The file that will be written for `out`: for an MP4 or WebM without an ffmpeg, a WebP of the same name."""
+    """The file that is written for `out`: a WebP of the same name instead of an MP4 or WebM if there is no ffmpeg."""
     if out.suffix.lower() not in (*ENCODERS, PICTURES):
         known = ", ".join((*ENCODERS, PICTURES))
         raise BadInput(f"{out.name}: no such kind of movie as {out.suffix!r}; expected one of {known}")
@@ -64,10 +64,9 @@ def writable(out: Path) -> Path:
 
 
 def encode(pictures: Iterable[Pixels], out: Path, fps: int) -> Path:
-    """Write the pictures, each (height, width, 3 or 4), as a movie; return the file, or the first
-    of many.
+    """Write the pictures, each (height, width, 3 or 4), as a movie; return the file, or the first of several.
 
-    It appears under its name when it is whole. Raises StorageError where it cannot be written.
+    The file is renamed to its final name when it is complete. Raises StorageError if it cannot be written.
     """
     out = writable(out)
     if out.suffix.lower() == PICTURES:
@@ -83,13 +82,15 @@ def encode(pictures: Iterable[Pixels], out: Path, fps: int) -> Path:
     except OSError as error:
         raise StorageError(f"{out}: cannot be written ({error.strerror or error})") from error
     finally:
-        with contextlib.suppress(OSError):  # a folder that could not be made need not be removed
+        with contextlib.suppress(OSError):  # a folder that could not be created need not be removed
             partial.unlink()
     return out
 
 
 def _stills(pictures: Iterable[Pixels], out: Path) -> list[Path]:
-    """Write each picture as a file, `name-0000.png` and so on; they appear under these names when all are whole."""
+    """Write each picture as a file, `name-0000.png` and so on; the files are renamed to these names when all are
+    complete.
+    """
     from PIL import Image
 
     partial: dict[Path, Path] = {}
@@ -135,7 +136,7 @@ def _feed(process: subprocess.Popen[bytes], pictures: Iterator[Pixels]) -> str:
         for picture in pictures:
             entrance.write(np.ascontiguousarray(picture).data)
     except BrokenPipeError:
-        pass  # ffmpeg has ended early, with an error that is reported
+        pass  # ffmpeg has ended early with an error, which is reported
     except BaseException:
         process.kill()
         raise
@@ -164,7 +165,7 @@ def _webp(pictures: Iterator[Pixels], out: Path, fps: int) -> None:
 
 
 def _gif(pictures: Iterator[Pixels], out: Path, fps: int) -> None:
-    """Write a GIF with one palette for all pictures and without dithering, so that unchanged pixels cost nothing."""
+    """Write a GIF with one palette for all pictures and without dithering, so that unchanged pixels need no space."""
     images = _images(pictures)
     first = next(images)
     palette = _palette(first)
@@ -173,13 +174,13 @@ def _gif(pictures: Iterator[Pixels], out: Path, fps: int) -> None:
 
 
 def _palette(first: Any) -> Any:
-    """The colors of the first picture, plus a coarse cube of all colors for later pictures."""
+    """The colors of the first picture, and a coarse cube of all colors for later pictures."""
     from PIL import Image
 
     shades = (0, 85, 170, 255)
     cube = [shade for color in itertools.product(shades, repeat=3) for shade in color]
-    # The usual median cut uses all colors for large areas; the ends of the color bar, which later pictures need, would
-    # be lost.
+    # The usual median cut assigns all colors to large areas; the ends of the color bar, which later pictures need,
+    # would be missing.
     own = first.quantize(256 - len(cube) // 3, method=Image.Quantize.MAXCOVERAGE, dither=0).getpalette()
     made = Image.new("P", (1, 1))
     made.putpalette(own + cube)
@@ -223,7 +224,7 @@ Reporter = Callable[[int, int], None]
 
 @dataclass(frozen=True, kw_only=True)
 class MovieOptions:
-    """The frames of a run that a movie shows, their rate, and their size."""
+    """The frames of a run in a movie, their rate, and their size."""
 
     fps: int = FPS
     """Frames per second."""
@@ -288,10 +289,11 @@ def movie(
     progress: Reporter | None = None,
     workers: int = 1,
 ) -> Path:
-    """Make a movie of a run: `out` (.mp4, .webm, .webp, .gif, or .png for numbered pictures), or its
-    `results/movie.mp4`. Returns what was written, of many pictures the first.
+    """Make a movie of a run: `out` (.mp4, .webm, .webp, .gif, or .png for numbered pictures), or `results/movie.mp4` of
+    the run. Returns the written file, or the first of several pictures.
 
-    Without an ffmpeg an MP4 becomes a WebP. With `workers` so many processes draw the pictures, which stay the same.
+    Without ffmpeg the result is a WebP instead of an MP4. `workers` is the number of processes that draw the pictures;
+    it does not change them.
     """
     target = Path(directory) / "results" / "movie.mp4" if out is None else Path(out)
     with open_trajectory(directory) as trajectory:
@@ -331,7 +333,9 @@ def picture_of(scene: Scene, shown: Sequence[Frame], options: MovieOptions, targ
 
 
 def pace_text(shown: Sequence[Frame], fps: int) -> str:
-    """The text of the speed of a movie over real time, which is drawn beside the time; empty for a single frame."""
+    """The text for the speed of a movie relative to real time, which is drawn next to the time; empty for a single
+    frame.
+    """
     span = shown[-1].time - shown[0].time if len(shown) > 1 else 0.0
     return f"   {span / (len(shown) - 1) * fps:.2g} × real time" if span > 0.0 else ""
 
@@ -344,7 +348,7 @@ def _counted(pictures: Iterable[Pixels], count: int, progress: Reporter | None) 
 
 
 def _sample(frames: Sequence[Frame]) -> list[Frame]:
-    """Frames from the first to the last, evenly."""
+    """Frames from the first to the last at equal distances."""
     return [frames[int(index)] for index in np.unique(np.linspace(0, len(frames) - 1, SAMPLES).round())]
 
 
@@ -353,7 +357,9 @@ def _time(frame: Frame) -> float:
 
 
 def _rounding(time: float) -> float:
-    """The time of a frame is a number of steps, and may differ from the given decimal by a bit."""
+    """The tolerance of the times of frames, which are whole numbers of steps and may differ from the given decimals by
+    a bit.
+    """
     return 1e-9 * abs(time) if time < math.inf else 0.0
 
 
@@ -365,7 +371,7 @@ desk: dict[str, Any] = {}
 
 
 def drawn_by_many(directory: Path, options: MovieOptions, target: Path, workers: int) -> Iterator[Pixels]:
-    """The pictures of a run, one after the other."""
+    """The pictures of a run in order, drawn by several processes."""
     with ProcessPoolExecutor(
         workers, mp_context=get_context("spawn"), initializer=_set_up, initargs=(directory, options, target)
     ) as pool:

@@ -37,11 +37,11 @@ class Scale(NamedTuple):
 
 
 def overlay(path: str | os.PathLike[str], found: Fit, scale: Scale, out: Path) -> Path:
-    """Write the film with a circle around each simulated object; the file that was written."""
+    """Write the film with a circle around each simulated object; return the written file."""
     radius = _radii(found) / scale.pixel
     facts = film_of(path)
     rate = scale.rate or facts.rate
-    # Tracks begin with the first picture in which an object was found.
+    # Tracks start at the first picture in which an object was found.
     last = math.floor(float(found.tracks.times[-1]) * rate + 0.5) + 1
 
     def drawn() -> Iterator[NDArray[np.uint8]]:

@@ -1,9 +1,9 @@
-"""Parts of pictures that all models share: camera, size, view, scale bar, legend, fast drawing.
+"""Parts of pictures that all models have in common: camera, size, view, scale bar, legend, fast drawing.
 
 Very many particles are painted as discs into pixels, since collections of Matplotlib patches are too slow. In 3D they
-are balls, lit from the viewer's side; nearer ones hide farther ones.
+are balls, lit from the side of the viewer; nearer ones hide farther ones.
 
-What never changes is drawn once; a movie then draws only the rest of each frame.
+Static parts are drawn once; a movie then draws only the moving parts of each frame.
 """
 
 from __future__ import annotations
@@ -44,9 +44,9 @@ POINT = 1.0 / 72.0
 
 
 class Splat(Artist):
-    """Particles in axes, painted with as many pixels as the figure has there when it is drawn. `radius` is (N,) or
-    one for all (m); `rim` is the width of the line around each (points). `room` are the corners of the painted region
-    (m); infinite where there is no wall.
+    """Particles in axes, painted in the resolution of the figure. `radius` is (N,) or one for all (m); `rim` is the
+    width of the line around each particle (points). `room` contains the corners of the painted region (m), infinite
+    where there is no wall.
     """
 
     def __init__(
@@ -58,7 +58,7 @@ class Splat(Artist):
         self.order: Any = slice(None)
 
     def put(self, places: Array, depth: Array | None, colors: Array) -> None:
-        """Draw discs: positions (N, 2) in m, how near to the eye each is, and colors (N, 3 or 4) from 0 to 1."""
+        """Set the discs: positions (N, 2) in m, their depth toward the viewer, and colors (N, 3 or 4) from 0 to 1."""
         self.places, self.shades, self.order = places, 255.0 * colors[:, :3], slice(None)
         if depth is not None and len(depth):
             self.order = np.argsort(depth, kind="stable")
@@ -74,7 +74,7 @@ class Splat(Artist):
         self.radius = radius
 
     def _pixel(self, corner: Array) -> Array:
-        """The pixel coordinates of a corner of the figure; infinite if the corner is."""
+        """The pixel coordinates of a corner in the figure; infinite if the corner is."""
         axes: Any = self.axes
         shown: Array = axes.transData.transform(np.where(np.isfinite(corner), corner, 0.0))
         return np.where(np.isfinite(corner), shown, corner)
@@ -104,8 +104,8 @@ class Splat(Artist):
 
 
 def cut(pixels: NDArray[np.uint8], corners: Sequence[Array]) -> None:
-    """Clear the pixels (rows from the top) that are left of or below the first corner, or right of or above the second
-    one, counted in pixels from the lower left.
+    """Clear the pixels to the left of or below the first corner, and to the right of or above the second one. Rows of
+    `pixels` start at the top; corners are counted in pixels from the lower left.
     """
     rows, columns = pixels.shape[:2]
     (left, bottom), (right, top) = corners
@@ -133,7 +133,7 @@ Pixels = NDArray[np.uint8]
 class Picture:
     """An open picture of a model's frames, made by a row of `FILMS` from (scene, sample, size).
 
-    `sample` are frames of the run: from them a picture takes its extent, and the range of its colors.
+    `sample` are frames of the run, which determine the extent of the picture and the range of its colors.
     """
 
     figure: Figure
@@ -153,7 +153,7 @@ class Picture:
         return self.layers.pixels()
 
     def place(self, frame: Frame, one: int) -> Array:
-        """The position in the picture of a particle (m)."""
+        """The position of a particle in the picture (m)."""
         return frame.arrays["position"][one, :2]
 
 
@@ -170,7 +170,7 @@ USUAL = Size(960, 720, trim=True)
 
 
 class View(NamedTuple):
-    """The part of the world that is shown (m): left, right, bottom, top."""
+    """The shown region (m): left, right, bottom, top."""
 
     left: float
     right: float
@@ -201,12 +201,14 @@ class Species(NamedTuple):
 
 
 def species(scene: Scene) -> list[Species]:
-    """The species of a scene, in the order of their numbers; those without a color take the palette's next."""
+    """The species of a scene, in the order of their numbers; species without a color have the next one of the
+    palette.
+    """
     return [Species(kind.name, color) for kind, color in zip(scene.kinds, colors_of(scene.kinds), strict=True)]
 
 
 class Layers:
-    """A figure whose static part is drawn once and whose moving parts are drawn for each frame, from the lowest up."""
+    """A figure whose static part is drawn once, and whose moving parts are drawn for each frame, from the lowest up."""
 
     def __init__(self, figure: Figure, moving: Sequence[Artist]) -> None:
         self._figure, self._moving = figure, moving
@@ -214,7 +216,7 @@ class Layers:
         self._still: Any = None
 
     def forget(self) -> None:
-        """Draw the unchanging layer again, as when the view has changed."""
+        """Draw the static part again, as after a change of the view."""
         self._still = None
 
     def pixels(self) -> Pixels:
@@ -240,14 +242,16 @@ NARROWEST, LOWEST = 380.0, 250.0
 
 
 def blank(size: Size, view: View, side: float = SIDE) -> Figure:
-    """An empty figure of that size. All grows with it, so that a large movie is a small one with more pixels."""
+    """An empty figure of this size. All elements scale with the size, so that a large movie is a small one with more
+    pixels.
+    """
     part = min(size.width / USUAL.width, size.height / USUAL.height)
     width, height = size.width / part, size.height / part
     if size.trim:
         per_meter = _per_meter(width, height, view, side)
         width = min(width, max(view.width * per_meter + side + 2 * BORDER, NARROWEST))
         height = min(height, max(view.height * per_meter + HEADER + 2 * BORDER, LOWEST))
-    # Video formats need even numbers of pixels.
+    # Video formats require even numbers of pixels.
     pixels = [2 * math.ceil(0.5 * part * length - 1e-9) for length in (width, height)] if size.trim else size[:2]
     dpi = DPI * part
     return Figure(figsize=(pixels[0] / dpi, pixels[1] / dpi), dpi=dpi, facecolor="white")
@@ -259,7 +263,7 @@ def _per_meter(width: float, height: float, view: View, side: float) -> float:
 
 
 def axes_for(figure: Figure, view: View, side: float = SIDE) -> Axes:
-    """Axes for a view, with equal scales and without ticks; a scale bar gives lengths."""
+    """Axes for a view, with equal scales and without ticks, since a scale bar shows lengths."""
     width, height = DPI * figure.get_size_inches()
     per_meter = _per_meter(width, height, view, side)
     across, along = view.width * per_meter, view.height * per_meter
@@ -296,7 +300,7 @@ BAR = (6.0, 11.0)
 
 
 def scale_bar(axes: Axes, view: View) -> list[Artist]:
-    """A bar of a round length in the lower left corner, on a pale ground, for axes that show as much as the view."""
+    """A bar of a round length in the lower left corner, on a pale background, for axes that show the whole view."""
     length = _round_length(view.width / 5)
     part, scale = length / view.width, scale_for(length, "m")
     figure: Any = axes.figure
@@ -410,7 +414,7 @@ def wires_of(low: Any, high: Any, camera: Array) -> Wires:
 
 
 class Aim(NamedTuple):
-    """The part of the world that a picture shows."""
+    """The shown part of a picture."""
 
     zoom: float = 1.0
     """The magnification."""
@@ -423,7 +427,7 @@ WIDE = Aim()
 
 
 class Aimed(Picture):
-    """An open picture that shows a part of another one's world."""
+    """An open picture that shows a part of the region of another one."""
 
     def __init__(self, picture: Picture, aim: Aim) -> None:
         self.picture, self.aim = picture, aim
@@ -458,7 +462,7 @@ class Aimed(Picture):
 
 
 def aimed(picture: Picture, aim: Aim) -> Picture:
-    """The picture with an aim; the picture itself without one."""
+    """The picture with this aim; the unchanged picture without one."""
     return picture if aim == WIDE else Aimed(picture, aim)
 
 

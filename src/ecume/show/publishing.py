@@ -1,7 +1,7 @@
-"""Figures for papers: with a given width, without a title, several runs and an experiment in one figure, and the data
-as a table.
+"""Figures for papers: with a given width, without a title, with several runs and an experiment in one figure, and their
+data as a table.
 
-Works on the curves of any finished Matplotlib figure, so that figures need not know of it.
+The functions use the curves of any finished Matplotlib figure, so that figures need no support for it.
 """
 
 from __future__ import annotations
@@ -43,7 +43,7 @@ MOST_BYTES = 64 * 2**20
 
 
 class Finish(NamedTuple):
-    """The size of a figure and its elements beside the curves."""
+    """The size of a figure, and its elements in addition to the curves."""
 
     width: float | None = None
     """m; by default that of the figure"""
@@ -55,8 +55,8 @@ LEAST = 0.03
 
 
 def finished(drawn: Figure, finish: Finish) -> Figure:
-    """The same figure with this width, its sides in the same ratio, and times in a suitable unit. Raises BadInput if
-    panels have no room.
+    """The figure with this width, the same ratio of sides, and times in a suitable unit. Raises BadInput if panels
+    have no room.
     """
     for axes in drawn.axes:
         _show_times(axes)
@@ -144,7 +144,9 @@ SHORT = 16
 
 
 def _narrowed(drawn: Figure) -> None:
-    """Reduce the letters, and put legends beside the panels below them, where they leave the curves their width."""
+    """Reduce the font size, and move legends next to panels below them if they leave too little width for the
+    curves.
+    """
     small = SMALLER * float(cast(float, mpl.rcParams["font.size"]))
     for text in drawn.findobj(Text):
         text.set_fontsize(SMALLER * float(text.get_fontsize()))
@@ -172,7 +174,7 @@ BELOW = -0.35
 
 
 def _is_beside(axes: Axes, legend: Legend) -> bool:
-    """Whether the legend of a panel stands right of it."""
+    """Whether the legend of a panel is to its right."""
     return bool(legend.get_bbox_to_anchor().transformed(axes.transAxes.inverted()).x0 > 1.0)
 
 
@@ -198,8 +200,8 @@ def curves_of(axes: Axes) -> list[Curve]:
 
 
 def written_data(drawn: Figure, out: Path) -> Path:
-    """Write the points of all curves as CSV: panel, series, and both axes with their units in the heads of a column of
-    words. Raises BadInput for a figure without curves.
+    """Write the points of all curves as CSV: panel, series, and both axes; columns of text contain their labels with
+    units. Raises BadInput for a figure without curves.
     """
     rows = [
         (panel, curve.name or f"curve {number}", axes.get_xlabel(), axes.get_ylabel(), repr(x), repr(y))
@@ -218,8 +220,8 @@ def written_data(drawn: Figure, out: Path) -> Path:
 
 
 def together(figures: Sequence[tuple[str, Figure]]) -> Figure:
-    """The same figure of several runs as one: each has its line style, and its name in the legend. Units of axes may
-    differ by a prefix. Raises BadInput for figures that are no curves, or not the same panels.
+    """Combine the same figure of several runs: each run has a line style, and its name in the legend. Units of axes may
+    differ by a prefix. Raises BadInput for figures without curves, or with different panels.
     """
     (first_name, first), *others = figures
     if not any(curves_of(axes) for axes in first.axes):
@@ -240,7 +242,7 @@ def together(figures: Sequence[tuple[str, Figure]]) -> Figure:
 
 
 def _add(axes: Axes, other: Axes, name: str, number: int, *, single: bool) -> None:
-    """Add the curves of another run's panel."""
+    """Add the curves of a panel of another run."""
     scales = [_ratio(getattr(other, get)(), getattr(axes, get)(), name) for get in ("get_xlabel", "get_ylabel")]
     own = {curve.line.get_color() for curve in curves_of(axes)}
     fresh = next((color for color in PALETTE if color not in own), PALETTE[number % len(PALETTE)])
@@ -297,7 +299,7 @@ def _rescaled(axes: Axes) -> None:
 
 
 class Measured(NamedTuple):
-    """A table of an experiment: columns over the first one."""
+    """A table of an experiment: columns as functions of the first one."""
 
     name: str
     heads: list[str]
@@ -366,7 +368,7 @@ def _panels(drawn: Figure, across: str, up: str) -> Iterator[tuple[Axes, float, 
             continue
         labels = axes.get_xlabel(), axes.get_ylabel()
         if [bool(_unit_of(head)) for head in (across, up)] != [bool(_unit_of(label)) for label in labels]:
-            continue  # only this figure has the prefixes: a number without a unit may be in another one
+            continue  # only this figure uses the prefixes: a number without a unit may have another one
         try:
             yield axes, _ratio(across, labels[0], ""), _ratio(up, labels[1], "")
         except BadInput:

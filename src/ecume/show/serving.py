@@ -1,7 +1,7 @@
-"""A server of pages on the local machine: it answers only requests with its token.
+"""A server of pages on the local machine, which answers only requests with its token.
 
-Each request needs the token, which foreign pages do not have. A request that such a page causes comes with a foreign
-origin, or with a host name that is not the address: both are refused.
+Each request must contain the token, which foreign pages do not have. Requests that foreign pages cause have a foreign
+origin, or a host name other than the address; both are refused.
 """
 
 from __future__ import annotations
@@ -71,7 +71,7 @@ class _Requests(BaseHTTPRequestHandler):
         return cast(Site, self.server.site)  # type: ignore[attr-defined]
 
     def do_GET(self) -> None:
-        """Answer a request for a page, which has the token in its address, or for data, with the token in a header."""
+        """Answer a request for a page, with the token in its address, or for data, with the token in a header."""
         if (asked := self._asked()) is None:
             return
         query = parse_qs(asked.query)
@@ -96,7 +96,7 @@ class _Requests(BaseHTTPRequestHandler):
         self._answer(self.site.post(asked.path, self.rfile.read(size)))
 
     def _asked(self) -> SplitResult | None:
-        """The requested address; None, after an answer, where it is malformed."""
+        """The requested address; None if it is malformed, after the answer was sent."""
         try:
             return urlsplit(self.path)
         except ValueError:
@@ -136,7 +136,7 @@ class _Requests(BaseHTTPRequestHandler):
 
 
 class _Server(ThreadingHTTPServer):
-    """A thread for each connection."""
+    """A server with a thread for each connection."""
 
     daemon_threads = True
 
@@ -148,10 +148,11 @@ class _Server(ThreadingHTTPServer):
 
 @contextlib.contextmanager
 def redirect_file(address: str) -> Iterator[str]:
-    """The address of a file that sends a browser to `address`.
+    """A context with the address of a file that redirects a browser to `address`.
 
-    A browser that is started gets its address as an argument, which all users of the machine can read. The file is
-    readable for its owner alone, so the token in the address stays private. It is removed when the block ends.
+    The address with which a browser is started is an argument that all users of the machine can read. The file is
+    readable only for its owner, so that the token in the address remains private. The file is removed when the block
+    ends.
     """
     folder = Path(tempfile.mkdtemp(prefix="ecume-"))  # mode 0700
     file = folder / "open.html"

@@ -100,7 +100,7 @@ def contrast(one: Any, other: Any) -> float:
 
 
 def seen_part(colors: Colormap, ground: str) -> tuple[float, float]:
-    """The part of a colormap between whose ends every color differs from the ground by `LEAST_CONTRAST`."""
+    """The part of a colormap in which every color differs from the background by at least `LEAST_CONTRAST`."""
     steps = [place / 255 for place in range(256)]
     enough = [place for place in steps if contrast(colors(place)[:3], ground) >= LEAST_CONTRAST]
     return (enough[0], enough[-1]) if enough else (0.0, 1.0)
@@ -117,7 +117,7 @@ class Scale(NamedTuple):
 
 
 def scale_for(largest: float, unit: str) -> Scale:
-    """The prefix that shows `largest` (in SI) as a number from 1 to 1000; of `m^2`, whose prefix is squared, from 0.01
+    """The prefix with which `largest` (in SI) is a number from 1 to 1000; for `m^2`, whose prefix is squared, from 0.01
     to 10,000. Units such as `kg` have none.
 
     >>> scale_for(0.0042, "m"), scale_for(0.002, "m^2"), scale_for(1000.0, "kg/m^3")
@@ -137,14 +137,14 @@ TINTS = (0.75, 0.5, 0.25)
 
 
 def liquid_color(liquid: Any) -> str | None:
-    """The color of a scene's liquid: `liquid.color`, or that of its name; None for a liquid without both."""
+    """The color of the liquid of a scene: `liquid.color`, or that of its name; None if it has neither."""
     given: str | None = getattr(liquid, "color", None) or LIQUID_COLORS.get(liquid.name)
     return given
 
 
 def height_colormap(liquid: str | None = None) -> Colormap:
-    """Colors of the height of a surface: the liquid's where it is level, neutral ones by default. Of a bright liquid
-    low parts are warmer and high parts cooler, of a dark one darker and brighter.
+    """Colors of the height of a surface: at the level that of the liquid, or a neutral one by default. For a bright
+    liquid low parts are warmer and high parts cooler; for a dark one they are darker and brighter.
     """
     if liquid is None:
         return HEIGHT_COLORS
@@ -155,7 +155,7 @@ def height_colormap(liquid: str | None = None) -> Colormap:
 
 
 def mixed(one: str, other: str, part: float) -> str:
-    """A color with a part of another.
+    """A color mixed with a part of another.
 
     >>> mixed("#000000", "#ffffff", 0.2)
     '#333333'
@@ -166,13 +166,15 @@ def mixed(one: str, other: str, part: float) -> str:
 
 
 def plain(text: str) -> str:
-    """A user's text unchanged: no formula between dollars, no label omitted because of its underscore."""
+    """A user's text without special meaning of characters: `$` starts no formula, and an initial underscore hides no
+    label.
+    """
     shown = text.replace("$", r"\$")
     return " " + shown if shown.startswith("_") else shown
 
 
 def figure(width: float = 6.4, height: float = 4.0) -> Figure:
-    """An empty figure of that size (inches), bound to no screen and not registered in pyplot."""
+    """An empty figure of this size (inches), independent of any screen and not registered in pyplot."""
     made = Figure(figsize=(width, height), layout="constrained")
     FigureCanvasAgg(made)
     return made
@@ -211,8 +213,8 @@ def save(drawn: Figure, out: Path) -> Path:
 def binned(
     axes: Axes, values: Array, edges: Array, *, upward: bool = False, color: str | None = None, label: str | None = None
 ) -> None:
-    """A histogram as a curve, whose points are the beginnings of bins and the end of the last one; bins are along x,
-    or `upward` along y.
+    """Draw a histogram as a curve, whose points are the beginnings of bins and the end of the last one; bins are along
+    x, or with `upward` along y.
     """
     high = np.append(values, values[-1])
     if upward:
@@ -222,6 +224,6 @@ def binned(
 
 
 def legend_outside(axes: Axes, title: str | None = None) -> None:
-    """A legend right of the axes, where it hides no curve."""
+    """A legend to the right of the axes, where it hides no curve."""
     if axes.get_legend_handles_labels()[0]:
         axes.legend(loc="upper left", bbox_to_anchor=(1.01, 1.0), borderaxespad=0.0, title=title, alignment="left")

@@ -1,8 +1,7 @@
-"""Tanks from the side: walls, obstacles, moving parts, and particles to scale, colored by a
-quantity.
+"""Tanks seen from the side: walls, obstacles, moving parts, and particles to scale, colored by a quantity.
 
-Any model with a tank can have its pictures here. In 3D they show the first and the last axis, or what a camera of the
-setting sees.
+The pictures are suitable for any model with a tank. In 3D they show the first and the last axis, or the view of the
+camera of the setting.
 """
 
 from __future__ import annotations
@@ -61,7 +60,7 @@ Shape = Array | Round
 
 
 class Setting(NamedTuple):
-    """The scenery around the particles."""
+    """The surroundings of the particles in a picture."""
 
     title: str
     outline: Shape | None
@@ -101,12 +100,12 @@ class Setting(NamedTuple):
 
 
 def stand_apart(setting: Setting) -> bool:
-    """Whether some species keep their own colors."""
+    """Whether some species have separate colors."""
     return setting.apart is not None and setting.apart < len(setting.kinds)
 
 
 def colored(setting: Setting, frame: Frame) -> Frame:
-    """The frame without particles that keep their own colors."""
+    """The frame without particles that have separate colors."""
     if not stand_apart(setting):
         return frame
     chosen = frame.arrays["species"] < setting.apart
@@ -122,7 +121,7 @@ def extent(shape: Shape) -> tuple[Array, Array]:
 
 
 def draw_setting(axes: Axes, setting: Setting) -> None:
-    """The tank with its liquid, the bodies in it, and the openings as gaps in the walls."""
+    """Draw the tank with its liquid, the bodies in it, and the openings as gaps in the walls."""
     if setting.outline is not None:
         axes.add_patch(_patch(setting.outline, facecolor=setting.inside, edgecolor="none", zorder=0))
         if setting.walls is None:
@@ -134,7 +133,7 @@ def draw_setting(axes: Axes, setting: Setting) -> None:
 
 
 def draw_bodies(axes: Axes, setting: Setting) -> list[Circle | Polygon | PathPatch]:
-    """Solids that do not move."""
+    """Draw solids that do not move."""
     colors = zip(setting.bodies, each_color(setting.body_colors, BODY), strict=False)
     patches = [_patch(body, facecolor=color, edgecolor=RIM, linewidth=1.5, zorder=2) for body, color in colors]
     for patch in patches:
@@ -143,7 +142,7 @@ def draw_bodies(axes: Axes, setting: Setting) -> list[Circle | Polygon | PathPat
 
 
 def draw_movers(axes: Axes, setting: Setting, frame: Frame) -> list[Polygon]:
-    """Filled in 2D, wire frames in 3D."""
+    """Draw moving parts, filled in 2D, as wire frames in 3D."""
     flat = setting.camera is None
     outlines = setting.movers(frame) if setting.movers else []
     colors = each_color(setting.mover_colors, BODY if flat else RIM)
@@ -168,7 +167,7 @@ def draw_wires(axes: Axes, setting: Setting) -> list[Line2D]:
 
 
 def each_color(colors: Sequence[str], usual: str) -> Iterable[str]:
-    """These colors, or without end the default one."""
+    """These colors, or an endless sequence of the default color if there are none."""
     return colors or itertools.repeat(usual)
 
 
@@ -176,7 +175,7 @@ def _patch(shape: Shape, **look: Any) -> Circle | Polygon | PathPatch:
     if isinstance(shape, Round):
         return Circle((shape.x, shape.y), shape.radius, **look)
     seam = np.flatnonzero((shape[1:-1] == shape[0]).all(axis=1))
-    if len(seam):  # a block, and the hole in it
+    if len(seam):  # a block with a hole in it
         parts = [Path(part, closed=True) for part in (shape[: seam[0] + 2], shape[seam[0] + 2 : -1])]
         return PathPatch(Path.make_compound_path(*parts), **look)
     return Polygon(shape, closed=True, **look)
@@ -204,7 +203,7 @@ class Coloring(NamedTuple):
 class Tank(Picture):
     """An open picture: `show` draws a frame, and `pixels` returns the result.
 
-    `sample` are frames of the run: from them the picture takes its extent, and its colors' range.
+    `sample` are frames of the run, which determine the extent of the picture and the range of its colors.
     """
 
     def __init__(
@@ -212,7 +211,7 @@ class Tank(Picture):
     ) -> None:
         self.setting, self.coloring, self.least = setting, coloring, 0.0
         self.view = view_of(setting, sample)
-        # Space beside the tank only for a color bar or a legend.
+        # Space next to the tank is needed only for a color bar or a legend.
         side = SIDE if coloring is not None or len(setting.kinds) > 1 else 0.0
         self.figure = blank(size, self.view, side)
         with style():
@@ -295,7 +294,9 @@ def _pixel(axes: Axes, view: View) -> float:
 
 
 def drawn_radius(frame: Frame, least: float) -> Array:
-    """The radii (m) of the particles of a frame, which may be more than before, drawn with a smallest one."""
+    """The radii (m) with which the particles of a frame are drawn, at least the smallest one. Their number may be
+    larger than before.
+    """
     radius: Array = np.maximum(frame.arrays["radius"], least)
     return radius
 
@@ -317,7 +318,7 @@ class Circles(EllipseCollection):
     """Few particles, drawn as curves."""
 
     def put(self, places: Array, depth: Array | None, colors: Array) -> None:
-        """Set positions and colors; circles have no depth."""
+        """Set positions and colors; circles ignore the depth."""
         self.set_offsets(places)
         shown: Any = colors
         self.set_facecolor(shown)
@@ -340,7 +341,7 @@ def seen(position: Array, camera: Array | None = None) -> Array:
 
 
 def time_text(time: float) -> str:
-    """The time in a unit that suits it.
+    """The time in a suitable unit.
 
     >>> time_text(3.14159), time_text(3600.0), time_text(90.0 * 86400.0)
     ('3.14 s', '60.0 min', '90.0 days')
@@ -354,7 +355,7 @@ def time_text(time: float) -> str:
 
 
 def view_of(setting: Setting, frames: Sequence[Frame]) -> View:
-    """The whole tank; without one, all that the particles of these frames ever reach."""
+    """The view of the whole tank, or without a tank of the region that the particles of these frames reach."""
     if setting.outline is not None:
         low, high = extent(setting.outline)
     elif setting.wires:
@@ -370,7 +371,7 @@ def view_of(setting: Setting, frames: Sequence[Frame]) -> View:
 
 
 def color_bar(axes: Axes, coloring: Coloring, sample: Sequence[Frame]) -> ScalarMappable:
-    """The color bar right of the tank; its range is that of the sampled frames without rare values."""
+    """The color bar to the right of the tank; its range is that of the sampled frames without rare values."""
     values = np.concatenate([coloring.values(frame) for frame in sample])
     low = float(np.quantile(values, RARE, method="lower"))
     high = float(np.quantile(values, 1.0 - RARE, method="higher"))
@@ -392,6 +393,6 @@ def color_bar(axes: Axes, coloring: Coloring, sample: Sequence[Frame]) -> Scalar
 
 
 def particles_picture(scene: Any, sample: Sequence[Frame], size: Size = USUAL) -> Tank:
-    """Particles without surroundings: the picture of a model without a specific one."""
+    """Particles without surroundings: the picture for a model without a specific one."""
     kinds = species(scene) or [Species("", PALETTE[0])]
     return Tank(Setting(scene.title, None, kinds=kinds), sample, size)

@@ -1,4 +1,6 @@
-"""Figures of how tracers spread, pass, stay and settle on walls, with standard errors (`ecume.analysis.dispersion`)."""
+"""Figures of the spreading, passage, residence and deposition of tracers, with standard errors
+(`ecume.analysis.dispersion`).
+"""
 
 from __future__ import annotations
 
@@ -63,9 +65,9 @@ def evenly(frames: Frames) -> Frames:
 
 
 def before_exits(frames: Frames) -> tuple[Frames, str]:
-    """The frames before the first exit, and a remark for the title. Particles that remain afterwards are the slow ones,
-    whose displacements are too small. If fewer than three frames precede the exit, or particles enter, all frames are
-    returned.
+    """The frames before the first exit, and a remark for the title. Particles that remain afterwards are slow, so that
+    their displacements are too small. If fewer than three frames precede the exit, or if particles enter, the result is
+    all frames.
     """
     first = len(frames[0].arrays["position"])
     if len(frames[-1].arrays["position"]) > first:
@@ -96,7 +98,7 @@ def dispersion_over_time(frames: Frames, scene: TracersScene) -> Figure:
 
 
 def residence(frames: Frames, scene: TracersScene) -> Figure:
-    """The distribution of the times that particles stayed until they left or were deposited."""
+    """The distribution of the times from entry until particles left or were deposited."""
     shown = evolution(frames)
     found = dispersion.residence_times(shown)
     if len(found.times) < 2:
@@ -166,7 +168,7 @@ def concentration(frames: Frames, scene: TracersScene) -> Figure:
 
 
 def time_label(time: float) -> str:
-    """A time in the unit that fits, for legends.
+    """A time in a suitable unit, for legends.
 
     >>> time_label(0.04), time_label(250.0), time_label(22.0 * 86400.0)
     ('0.04 s', '250 s', '22 days')
@@ -190,7 +192,9 @@ FLAT = 1e-6
 
 
 def deposition(frames: Frames, scene: TracersScene) -> Figure:
-    """The number of deposited particles per length along each axis, at the end; not across a single plane of them."""
+    """The number of deposited particles per length along each axis, at the end; axes normal to a single plane of
+    deposits are omitted.
+    """
     last = frames[-1]
     held = dispersion.deposited(last)
     names = axis_names(last)
@@ -218,9 +222,7 @@ def deposition(frames: Frames, scene: TracersScene) -> Figure:
 
 
 def efficiency(frames: Frames, scene: TracersScene) -> Figure:
-    """The fraction of the particles of each species that are deposited among those that are deposited or have left,
-    over time.
-    """
+    """The deposited fraction of the particles of each species that are deposited or have left, over time."""
     shown = evolution(frames)
     if not any(name.startswith("deposited_on_wall_") for name in shown[0].numbers):
         raise BadInput("no wall and no obstacle holds particles; there is no efficiency to draw")
@@ -240,7 +242,7 @@ def efficiency(frames: Frames, scene: TracersScene) -> Figure:
 
 
 def efficiency_over_time(frames: Frames, kind: int) -> Course:
-    """The efficiency for one species, NaN before its first particle is deposited or has left."""
+    """The efficiency for one species; NaN before its first particle is deposited or has left."""
     found = [dispersion.Efficiency(np.nan, np.nan)] * len(frames)
     for k, frame in enumerate(frames):
         if (~inside(frame) & (frame.arrays["species"] == kind)).any():

@@ -30,7 +30,7 @@ SLICES = 30
 
 
 def setting_of(scene: TracersScene) -> Setting:
-    """The tank, obstacles and openings of a scene; in 3D a side view."""
+    """The setting of a scene with tank, obstacles and openings; in 3D a side view."""
     bodies = [outline_of(body) for body in scene.obstacles]
     gaps = [seen(np.array([hole.low, hole.high])) for hole in scene.openings]
     outline = outline_of(scene.tank) if scene.tank is not None else None
@@ -114,7 +114,7 @@ def heights(frames: Frames, scene: TracersScene) -> Figure:
 
 
 def profile(frames: Frames, scene: TracersScene) -> Figure:
-    """The number of particles at each height at the beginning, in the middle and at the end."""
+    """The distribution of particles over the height at the beginning, in the middle and at the end."""
     instants = [frames[0], frames[len(frames) // 2], frames[-1]]
     places = [frame.arrays["position"][inside(frame), -1] for frame in instants]
     values = np.concatenate(places)
@@ -160,7 +160,7 @@ def _sides(tank: TankSpec, dimensions: int) -> list[str]:
 
 
 def _faces(surfaces: Surfaces, dimension: int, name: str) -> list[str]:
-    """The names of the faces of a box of this dimension, or with 0 of another shape."""
+    """The names of the faces of a box of this dimension, or with 0 those of another shape."""
     count = len(surfaces.kind)
     if dimension:
         return [f"{name}, {side}" for side in SIDES[dimension]]
@@ -172,7 +172,7 @@ def _faces(surfaces: Surfaces, dimension: int, name: str) -> list[str]:
 
 
 def wall_hits(frames: Frames, scene: TracersScene) -> Figure:
-    """The number of hits of each wall so far."""
+    """The number of hits of each wall until each time."""
     shown = evolution(frames)
     names = [name for name in shown[0].numbers if name.startswith("hits_on_wall_")]
     if not names:
@@ -187,7 +187,7 @@ def wall_hits(frames: Frames, scene: TracersScene) -> Figure:
         for label, counts, color in curves:
             axes.plot(times(shown), counts, color=color, drawstyle="steps-post", label=label)
         axes.set_ylabel("number of collisions")
-        # From one hit to thousands of small bounces: linear up to ten, then logarithmic.
+        # From a single hit to thousands of small bounces: linear up to ten, then logarithmic.
         axes.set_yscale("symlog", linthresh=10.0)
         axes.set_ylim(bottom=0.0)
         legend_outside(axes)

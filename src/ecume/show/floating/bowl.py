@@ -68,8 +68,8 @@ BELOW = 0.07
 
 
 def view_of(scene: Any, frames: Sequence[Frame]) -> View:
-    """The shown region: the whole dish; the cell and some of its images; on an endless surface, the region that the
-    floats of these frames reach.
+    """The shown region: the whole dish; the cell and some of its images; or without both the region that the floats of
+    these frames reach.
     """
     if scene.cell is not None:
         width, height = scene.sides
@@ -79,7 +79,7 @@ def view_of(scene: Any, frames: Sequence[Frame]) -> View:
         (left, bottom), (right, top) = surfaces.bounds(walls_of(scene.dish))
         middle = 0.5 * (left + right), 0.5 * (bottom + top)
         whole = view_around(*middle, MARGIN * (right - left), MARGIN * (top - bottom))
-        # Below a wall without round corners there is no room for the scale bar.
+        # Below a wall without round corners there is no space for the scale bar.
         return whole if scene.dish.radius is not None else whole._replace(bottom=whole.bottom - BELOW * whole.width)
     low = np.min([(f.arrays["position"] - f.arrays["radius"][:, None]).min(axis=0) for f in frames], axis=0)
     high = np.max([(f.arrays["position"] + f.arrays["radius"][:, None]).max(axis=0) for f in frames], axis=0)
@@ -90,9 +90,10 @@ def view_of(scene: Any, frames: Sequence[Frame]) -> View:
 
 
 class Bowl(Picture):
-    """An open picture: `show` puts a frame into it, `pixels` returns the picture.
+    """An open picture: `show` draws a frame, and `pixels` returns the picture.
 
-    `sample` are frames of the run: from them the picture takes its extent, its colors' range and the floats' sizes.
+    `sample` are frames of the run, which determine the extent of the picture, the range of its colors and the sizes of
+    floats.
     """
 
     def __init__(self, scene: Any, sample: Sequence[Frame], size: Size = USUAL, *, cells: int = 200) -> None:
@@ -121,9 +122,9 @@ class Bowl(Picture):
             self.rises = LineCollection([], colors=INK, linewidths=1.2, zorder=3)
             axes.add_collection(self.rises, autolim=False)
             self.time = clock(axes)
-            # Floats are drawn above the rim, half of whose line would hide their contacts with it.
+            # Floats are drawn above the rim, half of whose line would otherwise hide their contacts with it.
             border = [*_dish(axes, scene.dish, self.height), *_cell(axes, scene)]
-            # The liquid behind a barrier, which is the edge of it that is drawn last.
+            # The liquid behind a barrier; the edge drawn last is the barrier.
             self.behind = PolyCollection([], facecolors=BEHIND, edgecolors=RIM, linewidths=1.2, zorder=1.5)
             axes.add_collection(self.behind, autolim=False)
             moving: list[Artist] = [self.height, *border, self.behind, self.images, self.floats, self.rises]
@@ -150,14 +151,16 @@ class Bowl(Picture):
         self.time.set_text(f"{frame.time:.2f} s{self.pace}")
 
     def _marks(self, frame: Frame) -> list[Any]:
-        """The arrows of floats with a heading, and the lines of others that turn; empty if no float has an angle."""
+        """The arrows of floats with a heading, and the lines of other floats that rotate; empty if no float has an
+        angle.
+        """
         if "angle" not in frame.arrays:
             return []
         turned = self.turns or "spin" in frame.arrays
         return [*arrows(frame)[self.headed], *(rises(frame)[~self.headed] if turned else ())]
 
     def _show_images(self, frame: Frame) -> None:
-        """The images of floats around a periodic cell, paler."""
+        """Draw the images of floats around a periodic cell in paler colors."""
         count, radius = len(frame.arrays["position"]), float(frame.arrays["radius"].max())
         arrays = with_images(frame, BESIDE * self.view.width + radius).arrays
         place, sizes = arrays["position"][count:], arrays["radius"][count:]
@@ -165,12 +168,14 @@ class Bowl(Picture):
         self.images.set_facecolor([self.pale[kind] for kind in arrays["species"][count:]])
 
     def _painted(self, height: Heights) -> Pixels:
-        """Heights as colors, before they are spread over the picture's many more pixels."""
+        """The colors of heights, before interpolation to the more numerous pixels of the picture."""
         return self.colors.to_rgba(height * np.float32(self.scale.factor), bytes=True)
 
 
 def rises(frame: Frame) -> Array:
-    """A line across each float that turns, (N, 2, 2), to the highest point of its rim; empty if no rim is undulated."""
+    """A line across each float that rotates, (N, 2, 2), to the highest point of its rim; empty if no rim is
+    undulated.
+    """
     arrays = frame.arrays
     if "angle" not in arrays:
         return np.zeros((0, 2, 2))
@@ -180,7 +185,7 @@ def rises(frame: Frame) -> Array:
 
 
 def _headed(scene: Any, frame: Frame) -> Flags:
-    """Flags of the floats that have a heading: those that propulsion drives, and those with sources of waves."""
+    """Flags of the floats that have a heading: floats with propulsion, and floats with sources of waves."""
     names = np.array([kind.name for kind in scene.kinds])
     of_kind = np.zeros(len(names), bool)
     if scene.activity is not None and scene.activity.propulsion > 0.0:
@@ -206,8 +211,8 @@ def _height_image(axes: Axes, view: View, painted: Pixels) -> AxesImage:
 
 
 def height_colors(largest: float, typical: float, liquid: str | None = None) -> ScalarMappable:
-    """Colors that follow the height of menisci around floats linearly, and of the steep rim logarithmically; `liquid`
-    is the color of the level surface.
+    """Colors that are linear in the height of menisci around floats, and logarithmic in that of the steep rim; `liquid`
+    is the color of the undisturbed surface.
     """
     largest = max(largest, 1e-12)
     linear = min(max(typical, largest / 300), largest)
@@ -233,13 +238,13 @@ def _cell(axes: Axes, scene: Any) -> list[Artist]:
 
 
 def dish_outline(dish: Any, scale: float = 1.0) -> Patch:
-    """A dish's rim, in meters or in `scale` times that."""
+    """The rim of a dish, in meters or in multiples of `scale` meters."""
     look: dict[str, Any] = {"facecolor": "none", "edgecolor": RIM, "linewidth": 1.8}
     return Polygon(scale * outline_of(dish), closed=True, **look)
 
 
 def _height_bar(axes: Axes, colors: ScalarMappable, shown: tuple[float, float], scale: Scale, tall: float) -> None:
-    """Draw the color bar of heights, for the range that occurs; `tall` is its height over that of the picture."""
+    """Draw the color bar of heights for the range that occurs; `tall` is its height over that of the picture."""
     box, figure = axes.get_position(), cast(Figure, axes.get_figure(root=True))
     width = DPI * figure.get_size_inches()[0]
     place = figure.add_axes((box.x1 + 40 / width, box.y0 + 0.04 * box.height, 18 / width, tall * box.height))
@@ -254,7 +259,9 @@ def _height_bar(axes: Axes, colors: ScalarMappable, shown: tuple[float, float], 
 
 
 def height_ticks(norm: Any, shown: tuple[float, float], apart: float = 0.08) -> list[float]:
-    """Round heights whose places on the color bar are not too close: 0 and powers of ten first, then their halves."""
+    """Round heights whose positions on the color bar are not too close: first 0 and powers of ten, then halves of
+    these.
+    """
     low, high = (float(norm(end)) for end in shown)
     chosen: list[float] = []
     for step in (0.0, 1.0, 5.0, 2.0):

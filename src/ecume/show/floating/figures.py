@@ -1,6 +1,6 @@
 """The figures of the floating model: trajectories, structure, rafts and forces.
 
-Measures of rafts over time and space come first, the table last.
+Figures of rafts in time and space come first, the table last.
 """
 
 from __future__ import annotations
@@ -85,7 +85,7 @@ SPACINGS = 3.0
 
 
 def order(frames: Frames, scene: Any) -> Figure:
-    """The hexatic order over time: how good the lattices are, and how far one of them reaches."""
+    """The hexatic order over time: the local order, and the global order."""
     shown = evolution(frames)
     psi = [hexatic_order(frame) for frame in shown]
     with style():
@@ -109,7 +109,7 @@ def order(frames: Frames, scene: Any) -> Figure:
 
 
 def _nearest(position: Array) -> float:
-    """The median distance of a particle to its nearest neighbor; zero for one alone."""
+    """The median distance of a particle to its nearest neighbor; zero for a single particle."""
     if len(position) < 2:
         return 0.0
     distance, _ = cKDTree(position).query(position, k=2)
@@ -117,7 +117,7 @@ def _nearest(position: Array) -> float:
 
 
 def distribution(frames: Frames, scene: Any) -> Figure:
-    """The pair distribution: the mean over all frames, beside that of the first. A bin begins at contact."""
+    """The pair distribution: the mean over all frames, and that of the first frame. A bin begins at contact."""
     shown = thinned(frames)
     region = region_of(shown[-1], scene)
     radius = float(shown[-1].arrays["radius"].mean())
@@ -144,7 +144,7 @@ def distribution(frames: Frames, scene: Any) -> Figure:
 
 
 def region_of(frame: Frame, scene: Any) -> Region:
-    """The dish as far as centers can reach; on an endless surface the rectangle around all floats."""
+    """The region of the centers: the dish reduced by a radius; without a dish, the rectangle around all floats."""
     radius = float(frame.arrays["radius"].min())
     if scene.cell is not None:
         return Region(size=scene.sides, periodic=True)
@@ -155,7 +155,7 @@ def region_of(frame: Frame, scene: Any) -> Region:
 
 
 def approaches(frames: Frames, scene: Any) -> Figure:
-    """The gaps of pairs that touch in the end, over time, down to where they meet."""
+    """The gaps of pairs that touch at the end, over time, up to their contact."""
     shown, kept = evolution(frames), instants(frames)
     last = shown[-1].arrays
     box = box_of(shown[-1])
@@ -178,8 +178,8 @@ def approaches(frames: Frames, scene: Any) -> Figure:
 
 
 def distances(frames: Frames, scene: Any) -> Figure:
-    """The gap (mm) of the only two floats, or of pairs that end in contact, over time; for two floats also the solution
-    of their equation of motion.
+    """The gap (mm) of the only two floats, or of pairs that are in contact at the end, over time; for two floats also
+    the solution of their equation of motion.
     """
     shown = evolution(frames)
     radius, box = shown[-1].arrays["radius"], box_of(shown[-1])
@@ -255,7 +255,7 @@ STRAIGHT = 1e-3
 
 
 def _alone(scene: Any) -> bool:
-    """Whether only the pair law and the drag of single floats move the floats of a scene."""
+    """Whether the floats of a scene move only by the pair law and the drag of single floats."""
     hydrodynamics, parts = scene.hydrodynamics, ("dish", "cell", "flow", "waves", "activity", "magnetic_field")
     coupled = hydrodynamics.lubrication is not None or hydrodynamics.interaction != "none"
     superposed = scene.interaction.method == "superposition" and not scene.shaped
@@ -265,8 +265,8 @@ def _alone(scene: Any) -> bool:
 
 
 def shapes(frames: Frames, scene: Any) -> Figure:
-    """The rafts of the last frame: radius of gyration over number, that of a round, close-packed raft, and the fitted
-    fractal dimension.
+    """The rafts of the last frame: radius of gyration over number of floats, with the curve of a round, close-packed
+    raft, and the fitted fractal dimension.
     """
     clusters = touching_clusters(frames[-1])
     found = shapes_of(frames[-1], clusters)
@@ -327,8 +327,8 @@ MOST_FRAMES = 20_000
 
 
 def raft_sizes(frames: Frames, scene: Any) -> Figure:
-    """The shares of the floats in rafts of one, two to three, four to seven floats and so on, over time; and the mean
-    number of floats in the raft of a float.
+    """The fractions of floats in rafts of one, two to three, four to seven floats and so on, over time; and the mean
+    size of the raft of a float.
     """
     shown = evolution(frames)
     found = [touching_clusters(frame, tolerance=BOND) for frame in shown]
@@ -351,8 +351,8 @@ def raft_sizes(frames: Frames, scene: Any) -> Figure:
 
 
 def topology_figure(frames: Frames, scene: Any) -> Figure:
-    """The most frequent topologies of clusters over all frames, at most ten floats each: how often each appears, with
-    its contacts and symmetry number.
+    """The most frequent topologies of clusters of at most ten floats over all frames: the frequency of each, with its
+    contacts and symmetry number.
     """
     counts: Counter[Topology] = Counter()
     examples: dict[Topology, Array] = {}
@@ -385,8 +385,8 @@ def topology_figure(frames: Frames, scene: Any) -> Figure:
 
 
 def transition_figure(frames: Frames, scene: Any) -> Figure:
-    """The transitions between arrangements of all floats from frame to frame, at most ten floats: the share of the
-    changes from each of the most frequent states that lead to each other one, and the entropy production rate.
+    """The transitions between arrangements of at most ten floats from frame to frame: the fraction of changes from each
+    of the most frequent states to each other one, and the entropy production rate.
     """
     count = len(frames[0].arrays["radius"])
     if count > LARGEST:
@@ -458,7 +458,7 @@ def _draw(axes: Axes, place: int, cluster: Array) -> None:
 
 
 def _short(state: str) -> str:
-    """A state without its single floats; they follow from the number of floats.
+    """A state without its single floats, whose number follows from that of all floats.
 
     >>> _short("1-0-0+1-0-0+3-3-7")
     '3-3-7'
@@ -476,8 +476,8 @@ FURTHEST = 6.0
 
 
 def paths(frames: Frames, scene: Any) -> Figure:
-    """The path of every float, from an open circle to its last position, which is drawn to scale; in a periodic cell a
-    path that leaves on one side continues on the other.
+    """The path of every float, from an open circle to its last position, which is drawn to scale. In a periodic cell a
+    path that leaves on one side continues on the opposite one.
     """
     shown = thinned(frames)
     view, kinds = view_of(scene, shown), species(scene)
@@ -556,7 +556,7 @@ def force_law(frames: Frames, scene: Any) -> Figure:
 
 
 def bowl(frames: Frames, scene: Any) -> Figure:
-    """The last frame as seen from above, on the height of the liquid."""
+    """The last frame seen from above, with the height of the liquid."""
     picture = Bowl(scene, [frames[0], frames[-1]])
     picture.show(frames[-1])
     return picture.figure

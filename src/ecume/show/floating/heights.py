@@ -1,9 +1,9 @@
-"""The height of the surface as numbers: h(x, y) on a grid, for one frame or for all of a run's.
+"""The height of the surface as numbers h(x, y) on a grid, for one frame or for all frames of a run.
 
     field = height_field(scene, frame)
     plt.pcolormesh(field.x, field.y, field.height)
 
-What films paint comes from tables in single precision; here menisci are computed one by one.
+Movies use tables in single precision; here each meniscus is computed separately.
 """
 
 from __future__ import annotations
@@ -45,7 +45,7 @@ KINDS = (".npz", ".npy", ".pvd")
 
 
 class HeightField(NamedTuple):
-    """The surface above the places (x[i], y[k])."""
+    """The heights of the surface at the positions (x[i], y[k])."""
 
     x: Array
     """(X,) m"""
@@ -56,7 +56,8 @@ class HeightField(NamedTuple):
 
 
 def height_field(scene: Any, frame: Frame, *, cells: int = CELLS, view: View | None = None) -> HeightField:
-    """The surface in one frame, on squares of which `cells` make the longer side; of the whole dish, or around floats.
+    """The surface in one frame, on squares, of which the longer side has `cells`; of the whole dish, or of the region
+    around the floats.
 
     Menisci and walls are added up as in the run, or by multipoles if the scene uses them.
     """
@@ -103,8 +104,8 @@ def _menisci_on_grid(scene: Any, frame: Frame, x: Array, y: Array) -> Array:
 def export_heights(directory: str | os.PathLike[str], out: str | os.PathLike[str], *, cells: int = CELLS) -> Path:
     """Write the surface in every frame of a run; return the path of the new file.
 
-    `.npz` holds the arrays time, x, y and height (frame, y, x); `.npy` the heights alone; `.pvd` is a list of VTK
-    images beside it, which ParaView opens as a series in time.
+    `.npz` contains the arrays time, x, y and height (frame, y, x); `.npy` contains only the heights; `.pvd` is a list
+    of VTK images in a folder, which ParaView opens as a time series.
     """
     path = Path(out)
     if path.suffix not in KINDS:

@@ -1,4 +1,4 @@
-"""Figures that need no run: the force law of a scene's floats, and the orders of the integrators."""
+"""Figures without a run: the force law of the floats in a scene, and the orders of the integrators."""
 
 from __future__ import annotations
 
@@ -59,7 +59,7 @@ class Forces(NamedTuple):
 
 
 def force_law(path: str | os.PathLike[str], out: str | os.PathLike[str]) -> Path:
-    """Draw the forces between all kinds of floats of a scene's file into `out`, by each method."""
+    """Draw the forces between all kinds of floats in a scene file into `out`, by each method."""
     scene: Any = load_scene(Path(path))
     if scene.model != "floating" or not PAIR_LAWS[str(scene.interaction.law)].menisci:
         named = [repr(name) for name, row in PAIR_LAWS.items() if row.menisci]
@@ -93,7 +93,7 @@ def drawn_forces(scene: Any) -> Figure:
 
 
 def pair_forces(scene: Any) -> list[Forces]:
-    """The forces of each pair of kinds of floats, as a run takes them. Raises BadInput where menisci are flat."""
+    """The forces of each pair of kinds of floats, as in a run. Raises BadInput if menisci are flat."""
     kinds, number = distinct_kinds(scene)
     names = _names(scene, number, len(kinds))
     pairs = list(itertools.combinations_with_replacement(range(len(kinds)), 2))[:MOST_PAIRS]
@@ -126,7 +126,7 @@ def _forces_of(scene: Any, pair: tuple[FloatKind, FloatKind], label: str) -> For
 
 
 def _by_multipoles(both: multipoles.Multipoles, distance: Array) -> Array:
-    """The force on the second of two, away from the first (N)."""
+    """The force on the second of two floats, away from the first (N)."""
     orders, force, found = both.rims.response.shape[1], np.zeros((2, 2)), np.zeros_like(distance)
     scratch = multipoles.multipole_scratch(np.zeros((2, 2 * orders)), np.zeros((2, 0)))
     for k in range(len(distance)):
@@ -173,7 +173,7 @@ ROUNDING = 1e-14
 
 
 class Orbit(NamedTuple):
-    """The circle that approximates the orbit of the spheres."""
+    """The circle that approximates the orbit of the two spheres."""
 
     period: float
     speed: float
@@ -193,7 +193,7 @@ class Comparison(NamedTuple):
 
 
 def integrator_comparison(out: str | os.PathLike[str]) -> Path:
-    """Draw the comparison of all integrators into `out`. Returns the file that was written."""
+    """Draw the comparison of all integrators into `out`. Returns the written file."""
     return save(integrators_beside_one_another(comparison()), Path(out))
 
 
@@ -250,7 +250,7 @@ def _drifts(axes: Axes, found: Comparison) -> None:
 
 
 def _travel(integrator: str, orbit: Orbit, steps: int, looks: int) -> list[Frame]:
-    """The frames of a simulation with this number of steps per orbit; sixteen frames are an orbit."""
+    """The frames of a simulation with this number of steps per orbit; there are sixteen frames per orbit."""
     step = orbit.period / steps
     scene = _scene(orbit.speed, IntegrationSpec(integrator=integrator, time_step=step))
     every = steps // LOOKS * step

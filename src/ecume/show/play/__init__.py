@@ -1,5 +1,5 @@
-"""Games: a bowl or a tank in the browser, played with while it is simulated.
+"""Games: a bowl or a tank in the browser, which a user can change while it is simulated.
 
-`pages.game_of` makes a game of a scene; start there. `bowl` and `tank` are the simulations and what a user can do to
-them; `pages` also has the server that answers the page and drives the clock.
+Start with `pages.game_of`, which makes a game of a scene. `bowl` and `tank` contain the simulations and the actions of
+a user; `pages` also has the server of the page, which advances the simulation with the clock.
 """

@@ -1,4 +1,4 @@
-"""Scenes that a page simulates by itself: the same compiled laws as WebAssembly, and the numbers that it needs."""
+"""Pages that simulate without a server: the compiled laws as WebAssembly, and the numbers that the page needs."""
 
 from __future__ import annotations
 
@@ -62,7 +62,7 @@ def gallery(scene: FloatingScene) -> Iterator[FloatingScene]:
 
 
 def _color(scene: FloatingScene, spec: FloatSpec) -> str:
-    """The color of a species as a page writes it."""
+    """The color of a species in the notation of a page."""
     known = {kind.name: kind.color for kind in scene.kinds}
     return hexadecimal(str(known.get(spec.name) or spec.color))
 
@@ -82,7 +82,7 @@ PARTS = {"soft": FOUR_SPHERES, "sph": BASIN}
 
 
 def alone(scene: Any) -> str:
-    """The page of a scene that simulates by itself. Raises BadInput for scenes that it cannot."""
+    """The page of a scene that simulates without a server. Raises BadInput for scenes for which this is impossible."""
     why = refusal(scene)
     if why:
         raise BadInput(why)
@@ -104,7 +104,7 @@ def _of_tank(scene: SphScene) -> tuple[dict[str, Any], list[str]]:
 
 
 def _data(name: str, numbers: str, wasm: str, worker: str) -> list[str]:
-    """What the worker simulates with."""
+    """The data with which the worker of the page simulates."""
     code = resources.files("ecume.show.view").joinpath("bundle", wasm).read_bytes()
     return [
         data_of(name, "text/plain", _packed(numbers.encode())),
@@ -140,8 +140,8 @@ def _packed(content: bytes) -> str:
 
 
 def save_alone(scene: Any, target: Path, max_size: float) -> int:
-    """Write the page of a scene to a file. Returns its size in bytes. Raises BadInput if that is above the largest size
-    in MB.
+    """Write the page of a scene to a file. Returns its size in bytes. Raises BadInput if the size exceeds the largest
+    one (MB).
     """
     content = alone(scene).encode()
     if len(content) > 1e6 * max_size:

@@ -1,12 +1,12 @@
-"""A bowl that a user plays with: floats are dropped, dragged and removed, the dish is tilted, the liquid changed.
+"""The game of a bowl: floats are dropped, dragged and removed, the dish is tilted, the liquid is changed.
 
-Every change of the floats or of the liquid makes a new scene that begins where the old one stood, so that what is
-played is always a scene, and can be saved as one. The model itself integrates the motion.
+Every change of the floats or of the liquid creates a new scene that starts from the present state, so that the game is
+always a scene, and can be saved. The model itself integrates the motion.
 
-A tilted dish sloshes: the surface swings about the level with the frequency of its first mode; in the middle of the
-dish, where the mode is plane, the liquid flows with u = s' g / omega^2, where s is the slope of the surface against the
-dish: from dh/dt = phi_z and u = phi_x of the potential J1(k r) cos(phi) cosh(k (z + H)) [lamb1932, art. 191]. Floats
-are carried by that current.
+In a tilted dish the liquid sloshes: the surface oscillates about the level with the frequency of its first mode. In the
+middle of the dish, where the mode is plane, the liquid flows with u = s' g / omega^2, where s is the slope of the
+surface relative to the dish. This follows from dh/dt = phi_z and u = phi_x of the potential J1(k r) cos(phi) cosh(k (z
++ H)) [lamb1932, art. 191]. The current carries the floats.
 """
 
 from __future__ import annotations
@@ -45,7 +45,7 @@ class Slosh(NamedTuple):
 
 
 def slosh_frequency(scene: FloatingScene) -> float:
-    """Angular, of the first mode (1/s)."""
+    """The angular frequency of the first sloshing mode (1/s)."""
     liquid = liquid_of(scene)
     dish: Any = scene.dish  # games require a dish
     tension = liquid.surface_tension / liquid.density
@@ -105,7 +105,7 @@ CHANGED = ("surface_tension", "viscosity", "density", "contact_angle", "radius")
 
 
 class Hand(NamedTuple):
-    """A float that is held, and where it is dragged to (m)."""
+    """A dragged float, and the position of the pointer (m)."""
 
     one: int
     x: float
@@ -137,7 +137,9 @@ class Bowl:
         return self.integration.observe()
 
     def play(self, seconds: float) -> None:
-        """Go on by so much simulated time, at most `LONGEST`. Whatever diverges is brought to rest where it was."""
+        """Advance by a simulated time, at most `LONGEST`. A diverged state is reset to rest at its previous
+        positions.
+        """
         step = self.integration.parameters.time_step
         steps = max(1, round(min(seconds, LONGEST) / step))
         kept = self.integration.state.position.copy()
@@ -153,7 +155,7 @@ class Bowl:
             self._calm(kept)
 
     def grasp(self, one: int, x: float, y: float) -> None:
-        """Drag a float toward a place. Raises BadInput if no float has that number."""
+        """Drag a float toward a position. Raises BadInput if no float has this number."""
         if not 0 <= one < len(self.integration.state.position):
             raise BadInput(f"there is no float {one}")
         self.hand = Hand(one, x, y)
@@ -205,19 +207,19 @@ class Bowl:
         self._begin(_with(scene, kind, fewer))
 
     def begin_again(self) -> None:
-        """Begin again."""
+        """Restart from the initial scene."""
         self.slosh, self.tilt, self.time, self.calmed = Slosh(), (0.0, 0.0), 0.0, -math.inf
         self._begin(self.first, fresh=True)
 
     def forces(self) -> Array:
-        """(N, 2) the forces on the floats in the last step (N)."""
+        """The forces on the floats in the last step, (N, 2) N."""
         found: Array = self.integration.workspace.force
         return found
 
     def change(self, part: str, key: str, value: float) -> None:
         """Change a number of the `liquid` or the `dish`, or of a species by its name, such as its contact angle.
 
-        Raises BadInput for what scenes refuse, a float that would sink among them; then all stays as it was.
+        Raises BadInput for invalid values, and if a float would sink; the bowl is then unchanged.
         """
         scene, number = self.present(), {key: value}
         names = [species.name for species in scene.particles]
@@ -239,10 +241,10 @@ class Bowl:
         return placed(self.scene, arrays["position"], arrays["velocity"], arrays["species"])
 
     def _begin(self, scene: FloatingScene, *, fresh: bool = False) -> None:
-        """Continue with another scene from the present positions and, unless `fresh`, with the present surfactant."""
+        """Continue with another scene from the present positions; unless `fresh`, also with the present surfactant."""
         model, former = MODELS["floating"], None if fresh else getattr(self, "integration", None)
         with warnings.catch_warnings():
-            warnings.simplefilter("ignore")  # warnings on errors of superposition, which `ecume check` reports
+            warnings.simplefilter("ignore")  # hide warnings on errors of superposition, which `ecume check` reports
             parameters = model.parameters(_with_throws(scene))
             state = model.start(_with_throws(scene), parameters)
         self._flow, self._own = parameters.drift.flow.copy(), parameters.drift.flow[:2].copy()
@@ -256,7 +258,9 @@ class Bowl:
         self.integration, self.last = Integration(model, parameters._replace(drift=drift), state, LONGEST), self.scene
 
     def _calm(self, kept: Array) -> None:
-        """Bring the floats to rest where they last were, or, where that did not help just now, at the last change."""
+        """Bring the floats to rest at their last positions, or, if that was not successful just before, at those of the
+        last change.
+        """
         again, last = self.time - self.calmed < SOON, self.last
         species = self.integration.parameters.floats.species
         self.slosh, self.calmed = Slosh(), self.time
@@ -272,7 +276,9 @@ class Bowl:
         state.velocity[self.hand.one] = way * min(1.0, FASTEST / max(float(np.hypot(*way)), 1e-300))
 
     def _room_near(self, x: float, y: float, radius: float) -> tuple[float, float]:
-        """The nearest of some places on a spiral where a float of this radius touches no float and no wall."""
+        """The nearest of some positions on a spiral at which a float of this radius touches no other float and no
+        wall.
+        """
         arrays = self.frame.arrays
         for number in range(TRIES):
             away, angle = 0.5 * radius * math.sqrt(number), 2.4 * number
@@ -328,7 +334,7 @@ def _like(scene: FloatingScene, name: str) -> FloatSpec:
 
 
 def _stilled(scene: FloatingScene) -> FloatingScene:
-    """The same at rest, of a scene without rows."""
+    """The scene with all floats at rest, for a scene without rows."""
     rest = (dataclasses.replace(species, velocities=(), velocity=(0.0, 0.0)) for species in scene.particles)
     return dataclasses.replace(scene, particles=tuple(rest))
 
@@ -349,7 +355,7 @@ def _with(scene: FloatingScene, place: int, species: FloatSpec) -> FloatingScene
 
 
 def _with_throws(scene: FloatingScene) -> FloatingScene:
-    """The scene for the choice of the time step: a user may throw any float."""
+    """The scene that determines the time step, in which a user may throw any float."""
     launched = [dataclasses.replace(species, velocities=(), velocity=(FASTEST, 0.0)) for species in scene.particles]
     integration = dataclasses.replace(scene.integration, time_step=None)
     return dataclasses.replace(scene, particles=tuple(launched), integration=integration)
@@ -360,7 +366,7 @@ SINKS = re.compile(r"an? (\w+) of [^;]*? sinks: [^;]*; take ")
 
 
 def _warnings_in_plain_words(fault: Exception) -> str:
-    """The warnings of a scene's check, in one line and in plain words."""
+    """The warnings of the check of a scene, in one line without technical details."""
     if isinstance(fault, SceneError):
         messages = dict.fromkeys(one.message for one in fault.faults)
         return SINKS.sub(r"this \1 would sink; take ", "; ".join(messages))

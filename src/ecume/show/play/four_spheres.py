@@ -1,4 +1,4 @@
-"""Four spheres that exchange neighbors, in a page that simulates: the numbers that it needs."""
+"""The T1 process of four spheres in a page that simulates: the numbers that the page needs."""
 
 from __future__ import annotations
 
@@ -47,7 +47,7 @@ FRAMES = 400
 
 
 class Pulled(NamedTuple):
-    """A cluster before it is pulled: see `t1_process`."""
+    """A cluster with its forces at the start: see `t1_process`."""
 
     gap: float
     reduced_force: float
@@ -55,18 +55,18 @@ class Pulled(NamedTuple):
 
     @property
     def forces(self) -> tuple[float, float]:
-        """F_h and F_v in E R^2."""
+        """The forces F_h and F_v in E R^2."""
         vertical = self.reduced_force / abs(self.force_ratio - 1.0 / SQRT3)
         return self.force_ratio * vertical, vertical
 
     @property
     def scene(self) -> SoftScene:
-        """In radii and E R^2."""
+        """The scene in units of radii and E R^2."""
         return t1_scene(self.gap, self.forces, PREFACTORS, RAMP, TOLERANCE)
 
 
 def cluster_at(pulled: Pulled) -> Cluster:
-    """What `t1_process` begins with."""
+    """The cluster at the start of `t1_process`."""
     scene = pulled.scene
     parameters = parameters_of(scene)
     state = start(scene, parameters)
@@ -80,7 +80,7 @@ USUAL = Pulled(1e-2, 1e-3, 0.0)
 
 
 def cluster_arguments(pulled: Pulled = USUAL) -> dict[str, Any]:
-    """The arguments of its compiled step."""
+    """The arguments of the compiled step of a cluster."""
     return {"cluster": cluster_at(pulled)}
 
 
@@ -99,7 +99,7 @@ def pulled_in(scene: SoftScene) -> Pulled | None:
     if vertical == 0.0 or gap <= 0.0:
         return None
     ratio = horizontal / vertical
-    if abs(SQRT3 * ratio - 1.0) < SAME:  # no net force
+    if abs(SQRT3 * ratio - 1.0) < SAME:  # the net force is zero
         return None
     found = Pulled(gap, abs(horizontal - vertical / SQRT3), ratio)
     unit = scene.liquid.viscosity / (modulus[0] * found.reduced_force)
@@ -108,7 +108,7 @@ def pulled_in(scene: SoftScene) -> Pulled | None:
 
 
 def _is_cluster(scene: SoftScene, found: Pulled, seen: tuple[Any, Any, float]) -> bool:
-    """Whether a scene differs from a T1 process by units only."""
+    """Whether a scene differs from a T1 process only by its units."""
     places, pulls, ramp = seen
     ours, radius = found.scene, parameters_of(scene).radius[0]
     bare = replace(ours, **{name: getattr(scene, name) for name in UNLIKE})
@@ -129,14 +129,14 @@ UNLIKE = ("title", "duration", "frame_every", "liquid", "particles", "protocol",
 
 
 def joined(usual: tuple[float, ...], given: float) -> list[float]:
-    """Some numbers with another one, in order, unless it is among them."""
+    """Sorted numbers with another one, unless it is already among them."""
     if any(math.isclose(given, one, rel_tol=SAME, abs_tol=1e-9) for one in usual):
         return list(usual)
     return sorted([*usual, given])
 
 
 def offered_clusters(pulled: Pulled) -> dict[str, Any]:
-    """What the page of a cluster has: the choices, and the arguments of each."""
+    """The data for the page of a cluster: the choices, and the arguments for each."""
     gaps, forces = joined(GAPS, pulled.gap), joined(FORCES, pulled.reduced_force)
     ratios = joined(RATIOS, pulled.force_ratio)
     base = finite(slots(cluster_arguments(pulled)))
@@ -150,7 +150,7 @@ def _nearest(values: list[float], value: float) -> int:
 
 
 def _case(pulled: Pulled, base: list[list[Any]]) -> dict[str, Any]:
-    """What differs from the first cluster; how fast it is played, and its scene."""
+    """The differences of a case from the first cluster, its playing speed, and its scene."""
     own = finite(slots(cluster_arguments(pulled)))
     other = {one[0]: one[3] for one, ours in zip(own, base, strict=True) if one[3] != ours[3]}
     scene = replace(pulled.scene, frame_every=pulled.scene.duration / FRAMES)
@@ -158,8 +158,8 @@ def _case(pulled: Pulled, base: list[list[Any]]) -> dict[str, Any]:
 
 
 def _rate(pulled: Pulled) -> float:
-    """The time of a process (eta R^2 / F_N) in a second of the clock. A blocked cluster has moved long before it counts
-    as blocked.
+    """The time of a process (eta R^2 / F_N) per second of the clock. The motion of a blocked cluster ends long before
+    it counts as blocked.
     """
     given = pulled.gap, pulled.reduced_force, PREFACTORS
     blocked = pulled.force_ratio > 1.0 / SQRT3
@@ -167,7 +167,7 @@ def _rate(pulled: Pulled) -> float:
 
 
 def finite(found: list[list[Any]]) -> list[list[Any]]:
-    """The same without infinite numbers, which JSON does not have."""
+    """The table without infinite numbers, which JSON does not have."""
     return [[name, kind, _sizes(shape), _finite(value)] for name, kind, shape, value in found]
 
 
@@ -184,7 +184,7 @@ def _finite(value: Any) -> Any:
 
 
 def page_header(scene: SoftScene) -> dict[str, Any]:
-    """What the page of a cluster reads at once."""
+    """The data that the page of a cluster reads at its start."""
     return {
         "title": scene.title or "A T1 process",
         "speeds": SPEEDS,

@@ -1,7 +1,8 @@
-"""The arguments of a compiled function as they lie in the memory of a page: see `web/wasm/numba_wasm.py`.
+"""The arguments of a compiled function in the memory of a page: see `web/wasm/numba_wasm.py`.
 
-A page calls a function with the address of a block. It begins with room for the result, then follow the numbers that
-Numba makes of the arguments, eight bytes each: a number as it is; of an array seven or more, its address among them.
+A page calls a function with the address of a block. The block begins with space for the result, followed by the numbers
+to which Numba converts the arguments, with eight bytes each: one for a number, and seven or more for an array, one of
+which is its address.
 """
 
 from __future__ import annotations
@@ -34,7 +35,7 @@ def leaves(value: Any, name: str) -> Iterator[Named]:
 
 
 def kind_of(value: Any) -> str:
-    """The type of a number or an array: `float64`, `int64` or `bool`; of an array with its number of axes. Records of
+    """The type of a number or an array: `float64`, `int64` or `bool`; for an array with its number of axes. Records of
     numbers of eight bytes are `record`.
 
     >>> kind_of(np.zeros((2, 3))), kind_of(1), kind_of(True)
@@ -47,7 +48,7 @@ def kind_of(value: Any) -> str:
 
 def slots(arguments: dict[str, Any]) -> list[list[Any]]:
     """Name, type, shape and value of each number and array, in the order of the arguments. Numbers have no shape, and
-    arrays of zeros no value; that of an array in the memory of a larger one is the name of the larger one.
+    arrays of zeros no value; the value of an array in the memory of a larger one is the name of the larger one.
 
     >>> both = np.ones((2, 3))
     >>> [value for *_, value in slots({"row": both[0], "both": both})]
@@ -70,15 +71,17 @@ def _shape_of(array: Any) -> list[int]:
 
 
 def _numbers_in(array: Any) -> list[Any] | None:
-    """The numbers of an array; those of records as whole numbers with the same bits, in text, which JSON keeps."""
+    """The numbers of an array; the numbers of records as integers with the same bits, written as text, which JSON
+    preserves.
+    """
     if array.dtype.names:
         return [str(bits) for bits in array.view(np.int64).ravel().tolist()]
     return array.ravel().tolist() if array.any() else None
 
 
 def holders_of(arrays: list[Named]) -> dict[str, str]:
-    """The arrays that lie in the memory of larger ones, with the names of those: what a step writes into one of them it
-    reads from the other. Raises ValueError for one that does not begin where the larger one does.
+    """The arrays in the memory of larger ones, with the names of the larger ones, so that both have the same data.
+    Raises ValueError for an array that does not begin where the larger one does.
     """
     found: dict[str, str] = {}
     holder, begin, end = "", 0, 0
@@ -106,7 +109,7 @@ def arguments_of(parameters: Parameters, state: State, workspace: Workspace) -> 
 
 
 def bowl_arguments(scene: FloatingScene) -> dict[str, Any]:
-    """The same at the start of a scene."""
+    """The arguments of a bowl at the start of a scene, by their names."""
     model = MODELS["floating"]
     parameters = model.parameters(scene)
     state = model.start(scene, parameters)
@@ -114,7 +117,8 @@ def bowl_arguments(scene: FloatingScene) -> dict[str, Any]:
 
 
 def types_of(arguments: dict[str, Any]) -> str:
-    """All types, with the parts by their names: code compiled for others cannot be called with these.
+    """All types, with the parts by their names: code that is compiled for other types cannot be called with these
+    arguments.
 
     >>> types_of({"steps": 0})
     'steps int64'

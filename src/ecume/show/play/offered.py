@@ -1,7 +1,7 @@
-"""What a page that simulates offers, and the numbers of it: kinds of floats, liquids, and shapes of the dish.
+"""The choices in a page that simulates, and their numbers: kinds of floats, liquids, and shapes of the dish.
 
-How a float sits in the surface follows from a boundary-value problem for its meniscus, which no page solves: a page
-offers some sizes, densities and contact angles, and has the charge, mass and drag of each from here.
+The equilibrium of a float follows from a boundary-value problem for its meniscus, which pages do not solve: a page
+offers some sizes, densities and contact angles, whose charge, mass and drag are computed here.
 """
 
 from __future__ import annotations
@@ -40,7 +40,7 @@ LIQUIDS = ("water", "milk", "soapy water")
 
 
 class Grid(NamedTuple):
-    """What a page offers of each species."""
+    """The sizes, densities and contact angles that the page offers for each species."""
 
     size: tuple[float, ...]
     """factors of its radius"""
@@ -51,7 +51,7 @@ class Grid(NamedTuple):
 
     @property
     def usual(self) -> tuple[int, int, int]:
-        """The indices at which a species is that of the scene."""
+        """The indices at which a species has the values of the scene."""
         return self.size.index(1.0), self.density.index(1.0), self.angle.index(0.0)
 
 
@@ -62,7 +62,7 @@ WETTEST = 0.1
 
 
 class Offered(NamedTuple):
-    """A kind of float that the page offers."""
+    """A kind of float in the page."""
 
     spec: FloatSpec
     species: int
@@ -85,7 +85,7 @@ def offered(kinds: list[FloatSpec], grid: Grid = FINE) -> list[Offered]:
 
 
 def species_of(scene: FloatingScene, *, shelf: bool = True) -> list[FloatSpec]:
-    """One float of each species of a scene, and of each kind on the shelf."""
+    """One float of each species of a scene, and one of each kind on the shelf."""
     known = {species.name for species in scene.particles}
     more = [FloatSpec(name=name, **values) for name, values in SHELF.items() if shelf and name not in known]
     bare: dict[str, Any] = {
@@ -112,7 +112,7 @@ def dishes_of(dish: DishSpec) -> dict[str, DishSpec]:
 
 
 def liquids_of(scene: FloatingScene) -> dict[str, FloatingScene]:
-    """The scene with its liquid, and with each that can take its place."""
+    """The scene with its liquid, and with each liquid that can replace it."""
     found = {AS_GIVEN: scene}
     bare: dict[str, Any] = dict.fromkeys(("density", "viscosity", "surface_tension", "color"))
     for name in () if is_under_liquid(liquid_of(scene)) else LIQUIDS:
@@ -140,7 +140,7 @@ def floats_of(kinds: Sequence[FloatKind | None]) -> Floats:
 
 
 def kind_or_none(spec: FloatSpec, scene: FloatingScene) -> FloatKind | None:
-    """The kind, or None if it sinks."""
+    """The kind of float, or None if it sinks."""
     try:
         return float_kind(spec, scene)
     except BadInput:
@@ -174,13 +174,13 @@ def parameters_in(scene: FloatingScene, made: Filled) -> Parameters:
     """The constants of a bowl for floats of all kinds that the page offers."""
     ends = tuple(dataclasses.replace(spec, name=f"end {k}") for k, spec in enumerate(made.ends))
     with warnings.catch_warnings():
-        warnings.simplefilter("ignore")  # warnings on errors of superposition, which `ecume check` reports
+        warnings.simplefilter("ignore")  # hide warnings on errors of superposition, which `ecume check` reports
         parameters: Parameters = MODELS["floating"].parameters(dataclasses.replace(scene, particles=ends, rows=()))
     return parameters._replace(drift=parameters.drift._replace(flows=True))
 
 
 def steps_in(scenes: Iterable[tuple[FloatingScene, Parameters]], made: Filled) -> list[float | None]:
-    """The time step (s) in all of these dishes for each group of kinds; none for an empty group. A user may throw any
+    """The time step (s) in each of these dishes for each group of kinds; None for an empty group. A user may throw any
     float.
     """
     places, found = list(scenes), list[float | None]()
@@ -199,7 +199,7 @@ def _step(parameters: Parameters, scene: FloatingScene, floats: Floats) -> float
 def numbers_of(
     scenes: dict[str, FloatingScene], every: Sequence[Offered], usual: tuple[int, int, int]
 ) -> dict[str, Any]:
-    """All that the page has of a liquid, in dishes by their names."""
+    """All numbers of a liquid that the page needs, for dishes by their names."""
     scene = scenes[AS_GIVEN]
     liquid, made = liquid_of(scene), in_liquid(scene, every, usual)
     parameters = {name: parameters_in(one, made) for name, one in scenes.items()}
@@ -273,14 +273,16 @@ def _blank(parameters: Parameters, count: int) -> dict[str, Any]:
 
 
 class Chapter(NamedTuple):
-    """A scene of a page: what stands in the page's header, and the numbers of each liquid."""
+    """A scene of a page: the data in the header of the page, and the numbers of each liquid."""
 
     header: dict[str, Any]
     liquids: dict[str, dict[str, Any]]
 
 
 def chapter(scene: FloatingScene, title: str, colors: Any, *, whole: bool = True) -> Chapter:
-    """A scene that a page simulates; `whole`: with other liquids and dishes, and with what lies on the shelf."""
+    """A scene that a page simulates; with `whole`, also with other liquids and dishes, and with the kinds on the
+    shelf.
+    """
     bowl = Bowl(scene)
     start, kinds = bowl.present(), species_of(bowl.present(), shelf=whole)
     assert start.dish is not None  # noqa: S101  # see `alone.refusal`

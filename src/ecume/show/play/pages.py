@@ -1,4 +1,4 @@
-"""The pages of bowls and tanks, the table of them by model, and the server that drives a game."""
+"""The pages of bowls and tanks, their table by model, and the server that runs a game."""
 
 from __future__ import annotations
 
@@ -52,7 +52,7 @@ Deed = Callable[[Asked], None]
 
 
 class Moving(Protocol):
-    """A simulation that a user plays with."""
+    """A simulation in a game."""
 
     time: float
     """s, simulated so far"""
@@ -84,19 +84,19 @@ class Toy(Protocol):
         ...
 
     def header(self) -> dict[str, Any]:
-        """The data that the page gets once, with a `title`."""
+        """The data that the page receives once, including a `title`."""
         ...
 
     def now(self) -> dict[str, Any]:
-        """The data that the page draws, requested repeatedly."""
+        """The present data of the page, requested repeatedly."""
         ...
 
     def paint(self, now: float) -> None:
-        """Update the pictures that need not follow every request; `now` is the time of the clock."""
+        """Update the pictures that need not be updated at every request; `now` is the time of the clock."""
 
 
 class Game:
-    """A game and its viewers. Each request has its thread; a lock gives access to one at a time."""
+    """A game and its viewers. Each request has a thread; a lock permits access by one thread at a time."""
 
     def __init__(self, toy: Toy) -> None:
         self.token = secrets.token_urlsafe(24)
@@ -122,7 +122,7 @@ class Game:
         return None
 
     def post(self, path: str, body: bytes) -> Answer | None:
-        """Do something. What cannot be done is answered with why."""
+        """Perform an action. The answer to an impossible action states the reason."""
         if path != "/do":
             return None
         with self.lock:
@@ -136,7 +136,7 @@ class Game:
         return Answer(json.dumps({"said": said}).encode(), JSON)
 
     def run(self) -> None:
-        """Advance the game with the clock until it ends. It pauses while no page asks."""
+        """Advance the game with the clock until it ends. It pauses while no page sends requests."""
         last = time.monotonic()
         while not self.over.wait(self._pause(last)):
             now = time.monotonic()
@@ -191,7 +191,7 @@ PAINT = 0.1
 
 
 class Written:
-    """A page that only has to be served."""
+    """A page without further requests."""
 
     def __init__(self, page: str, parts: Parts) -> None:
         self.token, self.policy = secrets.token_urlsafe(24), policy_of(parts, live=False)
@@ -202,7 +202,7 @@ class Written:
         return Answer(self._page, HTML) if path == "/" else None
 
     def post(self, path: str, body: bytes) -> Answer | None:
-        """None: it has no requests."""
+        """Return None: the page has no requests."""
         return None
 
 
@@ -265,7 +265,7 @@ class BowlPage:
         }
 
     def paint(self, now: float) -> None:
-        """The height of the liquid as bytes, 128 being the level far from all."""
+        """Update the height of the liquid as bytes; 128 is the level far from all floats."""
         if now - self._painted <= PAINT:
             return
         self._painted, frame, scene = now, self.moving.frame, self.moving.scene
@@ -349,7 +349,7 @@ class TankPage:
         }
 
     def paint(self, now: float) -> None:
-        """Do nothing: all pictures are quick."""
+        """Do nothing, since all pictures are fast."""
 
     def _values(self, liquid: Liquid) -> tuple[Array, float]:
         """The values that colors show, and the end of their scale."""

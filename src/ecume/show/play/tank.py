@@ -1,7 +1,7 @@
-"""A tank that a user plays with: liquid is poured and scooped out, gates open and close, a wall is pushed, all tilts.
+"""The game of a tank: liquid is poured and removed, gates open and close, a wall is pushed, the tank is tilted.
 
-The model itself integrates the motion. A push is the motion of a side, a tilt is the acceleration of a shaken tank,
-an open gate is an obstacle less: so what is played is a scene at any moment, and can be saved as one.
+The model itself integrates the motion. A push is the motion of a side, a tilt is the acceleration of a shaken tank, and
+an open gate is a removed obstacle, so that the game is always a scene, and can be saved.
 """
 
 from __future__ import annotations
@@ -44,7 +44,7 @@ KINDS = ("wall", "open", "periodic")
 
 
 class Push(NamedTuple):
-    """The path of the left wall: straight lines from time to time."""
+    """The path of the left wall: linear between given times."""
 
     times: tuple[float, ...] = (0.0,)
     places: tuple[float, ...] = (0.0,)
@@ -56,8 +56,8 @@ class Push(NamedTuple):
         return float(np.interp(now, self.times, self.places))
 
     def then(self, now: float, seconds: float, speed: float, since: float) -> Push:
-        """Append a constant acceleration to another speed; rows before `since` are dropped. The last row extends beyond
-        the end: there the wall still moves.
+        """Append a constant acceleration to another speed; rows before `since` are removed. The last row extends the
+        motion beyond the end.
         """
         kept = [pair for pair in zip(self.times, self.places, strict=True) if since < pair[0] < now]
         passed = seconds * np.arange(PIECES + 1) / PIECES
@@ -93,7 +93,7 @@ def require_playable(scene: SphScene) -> None:
 
 
 def fixed(scene: SphScene) -> SphScene:
-    """The scene with explicit speed of sound and artificial damping, so that poured liquid and pushes do not change
+    """The scene with given speed of sound and artificial damping, so that poured liquid and pushes do not change
     them.
     """
     material = material_of(scene)
@@ -160,7 +160,7 @@ def room_around(scene: SphScene, place: tuple[float, float], reach: float, pushe
 
 
 def with_room(scene: SphScene, points: Array, pushed: float, taken: Array) -> Array:
-    """The places (n, 2) that are in the tank, free of solids and of liquid."""
+    """The positions (n, 2) that are in the tank and free of solids and liquid."""
     spacing = scene.spacing
     low, high = np.array([scene.tank.low[0] + pushed, scene.tank.low[1]]), np.array(scene.tank.high)
     inside = ((points > low + 0.5 * spacing) & (points < high - 0.5 * spacing)).all(axis=1)
@@ -170,8 +170,8 @@ def with_room(scene: SphScene, points: Array, pushed: float, taken: Array) -> Ar
 
 
 def pushed_aside(scene: SphScene, liquid: Liquid, pushed: float, rest: float) -> Liquid:
-    """The liquid with particles inside solids moved to the nearest free positions, the highest first, at rest and with
-    the density at rest (kg/m^3). Mass is conserved. Raises BadInput without free positions.
+    """The liquid after moving particles inside solids to the nearest free positions, the highest first, at rest and
+    with the density at rest (kg/m^3). Mass is conserved. Raises BadInput without free positions.
     """
     within = np.flatnonzero(~free_of(liquid.position.T, solids_of(scene), scene.spacing))
     within = within[np.argsort(-liquid.position[1, within], kind="stable")]
@@ -234,7 +234,7 @@ ANEW = "The liquid could not be brought to rest: the tank was restarted."
 
 
 class Tank:
-    """An open tank. Its scene and state only change during calls."""
+    """An open tank. Its scene and state change only during calls."""
 
     def __init__(self, scene: SphScene) -> None:
         require_playable(scene)
@@ -242,14 +242,14 @@ class Tank:
         self.begin_again()
 
     def begin_again(self) -> None:
-        """Begin again, with all that was there at first."""
+        """Restart with the initial liquid and obstacles."""
         self.aim, self.tilt, self.leaning = 0.0, 0.0, 0.0
         self.wave_since, self.calmed = -math.inf, -math.inf
         self._begin(self.first, Push(), None)
 
     @property
     def count(self) -> int:
-        """Particles."""
+        """The number of particles."""
         return int(self.integration.state.position.shape[1])
 
     @property
@@ -272,7 +272,7 @@ class Tank:
             self._calm(kept)
 
     def pour(self, x: float, y: float) -> None:
-        """Add liquid at a position (m) as far as there is free space. Raises BadInput without any."""
+        """Add liquid at a position (m) as far as there is free space. Raises BadInput without free space."""
         liquid = self.liquid()
         points = room_around(self.scene, (x, y), JET, self.pushed, liquid.position.T)
         if not len(points):
@@ -282,7 +282,7 @@ class Tank:
         self._go_on(joined(liquid, poured(self.scene, self.integration.parameters.material, points)))
 
     def scoop(self, x: float, y: float) -> None:
-        """Remove the liquid around a position (m). Raises BadInput if there is no liquid, or no other."""
+        """Remove the liquid around a position (m). Raises BadInput without liquid there, or if no liquid would remain."""
         liquid = self.liquid()
         stays = np.hypot(*(liquid.position - np.array([[x], [y]]))) > LADLE * self.scene.spacing
         if stays.all():
@@ -292,7 +292,7 @@ class Tank:
         self._go_on(those(liquid, stays))
 
     def open_gate(self) -> None:
-        """Remove the first obstacle; hollow ones are no gates but basins. Raises BadInput without obstacles."""
+        """Remove the first obstacle; hollow obstacles are basins, and not gates. Raises BadInput without obstacles."""
         if all(solid.hollow for solid in self.scene.obstacles):
             raise BadInput("no gate to open")
         opened = dataclasses.replace(self.scene, obstacles=self._obstacles(self.opened + 1))
@@ -304,7 +304,7 @@ class Tank:
         return len(self.first.obstacles) - len(self.scene.obstacles)
 
     def _obstacles(self, opened: int) -> tuple[ObstacleSpec, ...]:
-        """The obstacles while so many gates are open."""
+        """The obstacles while this number of gates is open."""
         gates = [number for number, solid in enumerate(self.first.obstacles) if not solid.hollow]
         return tuple(solid for number, solid in enumerate(self.first.obstacles) if number not in gates[:opened])
 
@@ -330,7 +330,7 @@ class Tank:
         self.aim, self.wave_since = 0.0, self.time
 
     def lean(self, angle: float) -> None:
-        """Tilt the tank so far (rad); a positive angle lets its right side sink."""
+        """Tilt the tank to this angle (rad); a positive angle lowers its right side."""
         self.tilt = min(max(angle, -STEEPEST), STEEPEST)
 
     def present(self) -> SphScene:
@@ -361,7 +361,7 @@ class Tank:
 
     @property
     def period(self) -> float:
-        """The period of sloshing of the liquid, were it level (s)."""
+        """The period of sloshing of the liquid with a level surface (s)."""
         depth = float(np.sum(self.integration.state.mass)) / self.integration.parameters.material.density / self.width
         pull = math.hypot(*(self.scene.gravity or ()))
         return 2.0 * math.pi / max(wave_frequency(math.pi / self.width, depth, pull), 1e-9)
@@ -375,7 +375,7 @@ class Tank:
         self.integration = Integration(model, parameters, state, BUDGET / 4.0)
 
     def _go_on(self, liquid: Liquid) -> None:
-        """Go on with other particles."""
+        """Continue with other particles."""
         self.push, parameters = Push(places=(self.pushed,)), self.integration.parameters
         self._drive()
         self.integration = Integration(
@@ -383,13 +383,13 @@ class Tank:
         )
 
     def _integrate(self, end: int) -> None:
-        """Step by step, as long as the budget lasts."""
+        """Integrate step by step, as long as the time budget permits."""
         began = time.perf_counter()
         while self._step < end and time.perf_counter() - began < BUDGET:
             self.integration.go(end - self._step)
 
     def _calm(self, kept: Liquid) -> None:
-        """Bring liquid to rest where it last was whole; restart where that did not help just now."""
+        """Bring the liquid to rest in its last valid state, or restart if that was not successful just before."""
         if self.time - self.calmed < SOON:
             self.begin_again()
             self.news.append(ANEW)
@@ -412,7 +412,7 @@ class Tank:
 
     @property
     def _target(self) -> float:
-        """The position that the wall should reach soon (m): at the hand, or where the wave has it."""
+        """The target position of the wall (m): that of the pointer, or of the wave."""
         phase = (self.time + GRASP - self.wave_since) / self.period
         if phase > 1.0:
             return self.aim

@@ -1,7 +1,7 @@
-"""A 2D tank in a page that simulates: what it needs, and which tanks it cannot simulate.
+"""A 2D tank in a page that simulates: the data that it needs, and the tanks that it cannot simulate.
 
-A page has one liquid with the equation of state of Tait, without viscosity, in walls that reflect it, of which hands
-push the left one. Energies and forces on walls are not counted: nothing in a page shows them.
+A page has one inviscid liquid with Tait's equation of state, between reflecting walls, the left one of which a user can
+push. Energies and forces on walls are not computed, since pages do not show them.
 """
 
 from __future__ import annotations
@@ -54,7 +54,7 @@ LARGEST = 5000
 
 
 def basin_of(parameters: Parameters) -> Basin:
-    """What does not change in a step."""
+    """The constants of a step."""
     boundary = parameters.boundary
     equation: Any = parameters.equation_of_state
     kernel: Any = kernel_type(parameters.constants)
@@ -93,7 +93,7 @@ def basin_of(parameters: Parameters) -> Basin:
 
 
 def path_of(boundary: Boundary) -> Path:
-    """The path of the left wall, which is at rest; none where it is no mirror."""
+    """The path of the left wall, which is at rest; empty if it is not a mirror."""
     rows, surfaces = np.flatnonzero(boundary.image_owner == 0), np.flatnonzero(boundary.guard.owner == 0)
     row, surface = (int(rows[0]), int(surfaces[0])) if len(rows) and len(surfaces) else (-1, 0)
     rest = np.zeros(3)
@@ -104,7 +104,7 @@ def path_of(boundary: Boundary) -> Path:
 
 
 def copied(value: Any) -> Any:
-    """Nested tuples with copies of their arrays, row after row in memory."""
+    """Nested tuples with contiguous copies of their arrays."""
     if isinstance(value, np.ndarray):
         return value.copy("C")
     if isinstance(value, tuple):
@@ -119,7 +119,7 @@ def drops_of(state: State) -> Drops:
 
 
 def room_for(parameters: Parameters, count: int) -> Room:
-    """Scratch for so many particles."""
+    """Scratch for this number of particles."""
     real = count + parameters.boundary.dummies.position.shape[1]
     columns = real + IMAGES * count + MORE_IMAGES
     neighbors = LISTS * int(likely_neighbors(2, (1.0 + MOST_SKIN) * parameters.support / parameters.spacing))
@@ -144,13 +144,13 @@ def tank_arguments(scene: SphScene) -> dict[str, Any]:
 
 
 def parameters_of(scene: SphScene) -> Parameters:
-    """The parameters of a scene whose numbers do not follow from the liquid that is there."""
+    """The parameters of a scene whose numbers do not depend on the present liquid."""
     parameters: Parameters = MODELS["sph"].parameters(fixed(scene))
     return parameters
 
 
 def arguments_in(parameters: Parameters, drops: Drops) -> dict[str, Any]:
-    """The same for any liquid."""
+    """The arguments of the compiled steps for any liquid."""
     room = room_for(parameters, drops.position.shape[1])
     return {"basin": basin_of(parameters), "drops": drops, "room": room, "steps": 0}
 
@@ -177,7 +177,7 @@ def tank_refusal(scene: SphScene) -> str:
 
 
 def not_in_pages(parameters: Parameters) -> dict[str, bool]:
-    """What steps in a page omit, and whether a tank has it."""
+    """The parts of a step that pages omit, and whether a tank has each of them."""
     force, guard = parameters.pressure_force, parameters.boundary.guard
     return {
         "periodic sides": bool((parameters.boundary.sides.mirrors == 0).any()),
@@ -196,7 +196,7 @@ def not_in_pages(parameters: Parameters) -> dict[str, bool]:
 
 
 def offered_tank(scene: SphScene) -> dict[str, Any]:
-    """What the worker of a page has: the tank with each number of open gates, and the liquid at the start."""
+    """The data for the worker of a page: the tank with each number of open gates, and the initial liquid."""
     first, parameters = fixed(scene), parameters_of(scene)
     liquid = drops_of(MODELS["sph"].start(first, parameters))
     count, material, spacing = len(liquid.mass), parameters.material, scene.spacing
@@ -237,8 +237,9 @@ def offered_tank(scene: SphScene) -> dict[str, Any]:
 
 
 def divided(scene: SphScene) -> list[str]:
-    """The text of a scene without liquid and gauges, before and behind the place of its left wall (m)."""
-    apart = dataclasses.replace(scene.tank, low=(-1.0 - abs(scene.tank.low[0]), *scene.tank.low[1:]))  # written: not 0
+    """The text of a scene without liquid and gauges, before and after the position of its left wall (m)."""
+    # So that the position is written, which zero would not be.
+    apart = dataclasses.replace(scene.tank, low=(-1.0 - abs(scene.tank.low[0]), *scene.tank.low[1:]))
     text = without_liquid(to_toml(dataclasses.replace(scene, tank=apart, gauges=())))
     before, after = re.split(r"(?<=\[tank\]\nlow = \[)[^,]+", text)
     return [before, after]
@@ -264,7 +265,9 @@ PER_PARTICLE = ("position", "velocity", "density", "mass", "region")
 
 
 def finite_slots(parameters: Parameters, liquid: Drops) -> list[list[Any]]:
-    """The arguments, with the sizes of arrays by the number of particles. The page writes what each particle has."""
+    """The arguments, with the sizes of arrays by the number of particles. The page fills the values of each
+    particle.
+    """
     one = finite(slots(arguments_in(parameters, liquid)))
     other = finite(slots(arguments_in(parameters, with_another(liquid))))
     return [_sized(own, more, len(liquid.mass)) for own, more in zip(one, other, strict=True)]
@@ -285,11 +288,11 @@ OF_ALL = ("skin", "clock", "step", "ready", "tally")
 
 
 def with_another(liquid: Drops) -> Drops:
-    """The same with one more particle."""
+    """The liquid with one more particle."""
     own = {name: array for name, array in liquid._asdict().items() if name not in OF_ALL and array.size}
     return liquid._replace(**{name: np.concatenate([one, one[..., :1]], axis=-1) for name, one in own.items()})
 
 
 def tank_header(scene: SphScene) -> dict[str, Any]:
-    """What the page of a tank reads at once."""
+    """The data that the page of a tank reads at its start."""
     return {"speeds": SPEEDS, **TankPage(Tank(scene)).header()}

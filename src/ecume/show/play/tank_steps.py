@@ -1,8 +1,8 @@
 """Steps of a 2D tank in the order of `ecume.models.sph.integration.time_stepping`, with all arrays in place.
 
-Python runs these functions as they are, around the loops that the model compiles, with the bits of the model; pages
-have all of it compiled. What the model decides from the scene, step by step, is decided once here: see
-`ecume.show.play.tank_alone`, which also says what a page omits.
+Python runs these functions and calls the compiled loops of the model, with the same bits as the model; for pages all
+functions are compiled. Choices that the model makes from the scene in each step are fixed here: see
+`ecume.show.play.tank_alone`, which also lists the parts that pages omit.
 """
 
 from __future__ import annotations
@@ -54,7 +54,7 @@ MOST_LINES = 80
 
 
 class Path(NamedTuple):
-    """The path of the left wall, straight lines from time to time, as `tank.Push` has it."""
+    """The path of the left wall, linear between given times: see `tank.Push`."""
 
     row: int
     """the side that mirrors there; -1: it stays"""
@@ -85,7 +85,7 @@ class Walls(NamedTuple):
 
 
 class Basin(NamedTuple):
-    """What does not change in a step: fields named as those of `Parameters`."""
+    """The constants of a step. The fields have the names of those of `Parameters`."""
 
     time_step: float
     support: float
@@ -115,7 +115,7 @@ class Basin(NamedTuple):
 
 
 class Drops(NamedTuple):
-    """The liquid: fields named as those of `State`."""
+    """The liquid. The fields have the names of those of `State`."""
 
     position: Array
     velocity: Array
@@ -138,7 +138,7 @@ class Drops(NamedTuple):
 
 
 class Room(NamedTuple):
-    """Scratch; `Workspace` with room for more images and neighbors than there are."""
+    """Scratch: a `Workspace` with room for additional images and neighbors."""
 
     table: Array
     """(fields, liquid and dummies and room for images)"""
@@ -158,7 +158,7 @@ class Room(NamedTuple):
 
 def advance(basin: Basin, drops: Drops, room: Room, steps: int) -> int:
     """Integrate over this number of steps; each is divided if speeds or forces require it. Returns DONE, DIVERGED,
-    EXCHANGE where liquid has left the tank, or `CROWDED` where lists have no room.
+    EXCHANGE if liquid has left the tank, or `CROWDED` if lists have no room.
     """
     for _ in range(steps):
         divisions = divisions_needed(basin, drops)
@@ -176,7 +176,7 @@ def advance(basin: Basin, drops: Drops, room: Room, steps: int) -> int:
 
 
 def has_left(basin: Basin, drops: Drops) -> bool:
-    """Whether a particle is beyond an open side. Where all are, they stay, as in `open_boundaries.exchange_due`."""
+    """Whether a particle is beyond an open side. If all are, they stay, as in `open_boundaries.exchange_due`."""
     gone = 0
     for i in range(drops.position.shape[1]):
         beyond = False
@@ -200,7 +200,7 @@ def divisions_needed(basin: Basin, drops: Drops) -> int:
 
 
 def take_step(basin: Basin, drops: Drops, room: Room, time: float) -> bool:
-    """The symplectic step: kick, drift half, density, drift half, kick. False where lists have no room."""
+    """Perform the symplectic step: kick, drift half, density, drift half, kick. Returns False if lists have no room."""
     place_wall(basin.walls, drops.clock[0])
     if not drops.ready[0]:
         if not renew(basin, drops, room):
@@ -222,7 +222,7 @@ def take_step(basin: Basin, drops: Drops, room: Room, time: float) -> bool:
 
 
 def move(basin: Basin, drops: Drops, room: Room, time: float) -> bool:
-    """Drift, reflect particles at walls, renew the lists when due."""
+    """Drift, reflect particles at walls, and renew the lists when due."""
     drift(drops.position, drops.velocity, time)
     drops.clock[0] += time
     place_wall(basin.walls, drops.clock[0])
@@ -244,7 +244,7 @@ def displaced(path: Path, time: float) -> float:
 
 
 def speed_of_wall(path: Path, time: float) -> float:
-    """The speed of the wall (m/s) at a time: that of the line which begins there or before."""
+    """The speed of the wall (m/s) at a time: that of the interval which starts at or before it."""
     times, places = path.lines[0], path.lines[1]
     for k in range(path.count[0] - 1):
         if times[k] <= time < times[k + 1]:
@@ -253,12 +253,12 @@ def speed_of_wall(path: Path, time: float) -> float:
 
 
 def wall_moved(path: Path, drops: Drops) -> float:
-    """The displacement of the wall since the lists were made, `rigid_bodies.displacement_of_sides`."""
+    """The displacement of the wall since the lists were made: see `rigid_bodies.displacement_of_sides`."""
     return 0.0 if path.row < 0 else abs(displaced(path, drops.clock[0]) - displaced(path, drops.clock[1]))
 
 
 def place_wall(walls: Walls, time: float) -> None:
-    """Move the left wall to where its path is at this time, as `rigid_bodies.at` does."""
+    """Move the left wall to its position on its path at this time: see `rigid_bodies.at`."""
     path, dimension, numbers = walls.path, walls.sides.point.shape[1], walls.guard.sheet.number
     if path.row < 0:
         return
@@ -271,7 +271,7 @@ def place_wall(walls: Walls, time: float) -> None:
 
 
 def push_wall(basin: Basin, drops: Drops, room: Room) -> None:
-    """Append a constant acceleration of the wall to the speed asked, during the time asked: `tank.Push.then`."""
+    """Append a constant acceleration of the wall to the given speed, during the given time: see `tank.Push.then`."""
     path, now, since = basin.walls.path, float(drops.clock[0]), min(float(drops.clock[1]), float(drops.clock[0]))
     speed, seconds, before = float(room.asked[0]), float(room.asked[1]), float(path.speed[0])
     kept, first, here = np.empty((2, MOST_LINES)), displaced(path, since), displaced(path, now)
@@ -295,12 +295,14 @@ def push_wall(basin: Basin, drops: Drops, room: Room) -> None:
 
 
 def measure_wall(basin: Basin, drops: Drops, room: Room) -> None:
-    """The displacement of the wall at present (m)."""
+    """Measure the displacement of the wall at present (m)."""
     room.answer[0] = displaced(basin.walls.path, drops.clock[0])
 
 
 def measure_period(basin: Basin, drops: Drops, room: Room) -> None:
-    """The period of sloshing of the liquid, were it level, in a tank of the given width: `tank.Tank.period`."""
+    """Measure the period of sloshing of the liquid with a level surface, in a tank of the given width: see
+    `tank.Tank.period`.
+    """
     width = float(room.asked[0])
     depth = float(np.sum(drops.mass)) / basin.equation_of_state.density / width
     pull = math.sqrt(basin.upright[0] ** 2 + basin.upright[1] ** 2)
@@ -308,7 +310,7 @@ def measure_period(basin: Basin, drops: Drops, room: Room) -> None:
 
 
 def reflect(guard: Guard, drops: Drops, time: float) -> None:
-    """Repeat the drift of particles that are outside after it, with reflections: `walls.reflect_particles`."""
+    """Repeat the drift of particles that are outside after it, with reflections: see `walls.reflect_particles`."""
     sheet, dimension = guard.sheet, len(drops.position)
     out = np.zeros(drops.position.shape[1], np.bool_)
     flag_outside(drops.position, sheet.kind, sheet.number, guard.radius, out)
@@ -316,7 +318,7 @@ def reflect(guard: Guard, drops: Drops, time: float) -> None:
     before = np.zeros(dimension)
     number = sheet.number.copy()
     for k in range(len(number)):
-        if sheet.kind[k, 0] == PLANE:  # where planes that move were before the drift, as `walls._as_before` has them
+        if sheet.kind[k, 0] == PLANE:  # the positions of moving planes before the drift, as in `walls._as_before`
             way = number[k, 0] * number[k, SPEED] + number[k, 1] * number[k, SPEED + 1]
             number[k, SIZE] -= time * (way + number[k, 2] * number[k, SPEED + 2])
     earlier = Sheet(sheet.kind, number, sheet.hole, sheet.part)
@@ -345,8 +347,8 @@ def reflect(guard: Guard, drops: Drops, time: float) -> None:
 
 
 def renew(basin: Basin, drops: Drops, room: Room) -> bool:
-    """Renew the lists at the present positions; at regular intervals sort the particles into cells before. False where
-    they have no room.
+    """Renew the lists at the present positions; at regular intervals, sort the particles into cells first. Returns
+    False if the lists have no room.
     """
     if int(drops.tally[RENEWALS]) % SORT_EVERY == 0:
         sort(drops, sorted_in(drops.position, grid_around(drops.position, basin.support)).order)
@@ -361,7 +363,7 @@ def renew(basin: Basin, drops: Drops, room: Room) -> bool:
 
 
 def sort(drops: Drops, order: Slots) -> None:
-    """Bring the particles into this order."""
+    """Reorder the particles."""
     for rows in (drops.position, drops.velocity, drops.acceleration):
         for axis in range(len(rows)):
             rows[axis] = rows[axis][order]
@@ -372,7 +374,7 @@ def sort(drops: Drops, order: Slots) -> None:
 
 
 def grid_around(position: Array, reach: float) -> Grid:
-    """The grid of cells of `neighbor_rows.grid_around`, with wider cells where single particles are far away."""
+    """The grid of cells as in `neighbor_rows.grid_around`, but with wider cells if single particles are far away."""
     most = 2.0 * position.shape[1] + 64.0
     low, wide = np.empty(len(position)), np.empty(len(position))
     for axis in range(len(position)):
@@ -398,7 +400,9 @@ def sorted_in(position: Array, grid: Grid) -> Sorted:
 
 
 def with_images(real: Array, sides: Sides, reach: float, room: Room) -> Array:
-    """The positions of all particles and of their images; the sources of those stand in `room`, as far as it goes."""
+    """The positions of all particles and of their images; the sources of the images are stored in `room`, as far as
+    there is space.
+    """
     here, room.first[0] = real, 0
     for side in range(len(sides.normal)):
         distance = distance_before(here, sides, side)
@@ -412,7 +416,7 @@ def with_images(real: Array, sides: Sides, reach: float, room: Room) -> Array:
 
 
 def find_neighbors(position: Array, liquid: int, reach: float, room: Room) -> bool:
-    """The lists of `neighbor_rows.neighbor_lists`; whether they had room."""
+    """Fill the lists as `neighbor_rows.neighbor_lists` does. Returns whether they had room."""
     grid, real = grid_around(position, reach), len(room.counts)
     cells = sorted_in(position, grid)
     longest = _longest_run(cells.start, 2 * math.ceil(reach / grid.edge[-1]) + 2)
@@ -477,7 +481,9 @@ def fill(basin: Basin, drops: Drops, room: Room) -> None:
 
 
 def lean(basin: Basin, drops: Drops, room: Room) -> None:
-    """Turn gravity against the tank by the angle asked, as `rigid_bodies.at` does for the acceleration of a tank."""
+    """Rotate gravity relative to the tank by the given angle, as `rigid_bodies.at` does for the acceleration of a
+    tank.
+    """
     more = tilted(basin.upright[0], basin.upright[1], room.asked[0])
     for axis in range(len(basin.gravity)):
         basin.gravity[axis] = basin.upright[axis] + more[axis]
@@ -496,16 +502,16 @@ def tilted(x: float, y: float, angle: float) -> tuple[float, float]:
 
 
 def measure_gap(basin: Basin, drops: Drops, room: Room) -> None:
-    """The distance (m) of the place asked from the nearest wall or solid, negative behind it."""
+    """Measure the distance (m) of the given position from the nearest wall or solid, negative inside."""
     place_wall(basin.walls, drops.clock[0])
     sheet = basin.walls.guard.sheet
     room.answer[0] = worst_gap(sheet.kind, sheet.number, (room.asked[0], room.asked[1], 0.0), 0.0)[0]
 
 
 def put_constant_fields(basin: Basin, drops: Drops, room: Room) -> None:
-    """Fill the fields that do not change: of the liquid, and of dummies."""
+    """Fill the fields of liquid and dummies that do not change."""
     walls, count = basin.walls, len(drops.density)
-    for i in range(room.table.shape[1]):  # where no image is, too, nothing is divided by zero
+    for i in range(room.table.shape[1]):  # to avoid a division by zero in entries without an image
         room.table[FIELD.density, i] = 1.0
     for i in range(count):
         room.table[FIELD.liquid, i] = 1.0

@@ -1,5 +1,5 @@
 """Pictures and figures of soft spheres.
 
-`packing.soft_picture` is the entry in `FILMS`, `figures` the table of figures; start there. `packing` draws a layer
-with its films and forces, `measures` draws what is measured in sheared packings.
+Start with `packing.soft_picture`, the entry in `FILMS`, and with `figures`, the table of figures. `packing` draws a
+layer with its films and forces, `measures` draws measured quantities of sheared packings.
 """

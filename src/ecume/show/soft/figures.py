@@ -69,7 +69,7 @@ class SteadyFlow(NamedTuple):
 
 
 def parts_of(frames: Frames, scene: SoftScene) -> list[list[Frame]]:
-    """The frames between each two moments of the protocol; steps of the shear rate are moments."""
+    """The frames between consecutive moments of the protocol; steps of the shear rate are moments."""
     now = times(frames)
     turns = sorted({0.0, *(stage.time for stage in expanded(scene.protocol)), float(now[-1])})
     inside = [
@@ -97,7 +97,7 @@ def steady_flows(frames: Frames, scene: SoftScene) -> list[SteadyFlow]:
 
 
 def _oscillates(part: Sequence[Frame], scene: SoftScene) -> bool:
-    """Whether a part of the protocol is an oscillation, whose mean is no steady flow."""
+    """Whether a part of the protocol is an oscillation, whose mean is not a steady flow."""
     begun = [stage for stage in expanded(scene.protocol) if stage.time < part[0].time * (1.0 - 1e-9)]
     return bool(begun) and begun[-1].oscillation is not None
 
@@ -129,7 +129,7 @@ def _points(axes: Axes, x: Sequence[Mean], y: Sequence[Mean], look: Look) -> Non
 
 
 def _rate_axis(axes: Axes, values: Sequence[float]) -> None:
-    """The scale of the horizontal axis; over less than two decades, with labels at 1, 2 and 5."""
+    """Set the scale of the horizontal axis; for less than two decades, with labels at 1, 2 and 5."""
     axes.set_xscale(scaling(values))
     if axes.get_xscale() == "log" and max(values) < 100.0 * min(values):
         axes.xaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
@@ -146,8 +146,8 @@ def _mark_unsettled(axes: Axes, flows: Sequence[SteadyFlow], x: Sequence[float],
 
 
 def steady_states(frames: Frames, scene: SoftScene) -> Figure:
-    """Shear stress and pressure over strain, and where each part of the protocol is stationary."""
-    frames = list(frames)  # all frames are read once
+    """Shear stress and pressure over strain, with the stationary region of each part of the protocol."""
+    frames = list(frames)  # to read all frames only once
     flows = _required_flows(frames, scene)
     shear, pressure = series(frames, number("shear_stress"), number("pressure"))
     scale, strain = scale_for(float(np.abs([shear, pressure]).max()), frames[0].units["shear_stress"]), sheared(frames)
@@ -170,13 +170,13 @@ def steady_states(frames: Frames, scene: SoftScene) -> Figure:
 
 
 def sheared(frames: Frames) -> Array:
-    """The accumulated strain, back and forth."""
+    """The accumulated strain, in both directions."""
     (strain,) = series(frames, number("strain"))
     return np.concatenate([[0.0], np.cumsum(np.abs(np.diff(strain)))])
 
 
 def place_of(now: Array, frame: Frame) -> int:
-    """The index of a frame among the times of all."""
+    """The index of the time of a frame among all times."""
     return int(np.argmin(np.abs(now - frame.time)))
 
 
@@ -186,13 +186,13 @@ def stress_of(flow: SteadyFlow) -> Mean:
 
 
 def rate_of(flow: SteadyFlow) -> float:
-    """The shear rate without its sign, to the digits to which rates that are meant to be equal agree (1/s)."""
+    """The magnitude of the shear rate (1/s), rounded so that rates that are meant to be equal agree."""
     return float(f"{abs(flow.point.rate.value):.4g}")
 
 
 def comparable(flows: Sequence[SteadyFlow]) -> list[int]:
-    """The indices of the flows that are stationary and have the volume fraction of the last one, which a pre-shear
-    before a compression has not.
+    """The indices of the flows that are stationary and have the volume fraction of the last one, which excludes a
+    pre-shear before a compression.
     """
     last = flows[-1].point.fraction.value if flows else 0.0
     alike = (abs(flow.point.fraction.value - last) < ALIKE * last for flow in flows)
@@ -200,7 +200,9 @@ def comparable(flows: Sequence[SteadyFlow]) -> list[int]:
 
 
 def fitted_flow(flows: Sequence[SteadyFlow]) -> CurveFit | None:
-    """Herschel and Bulkley's law of the comparable flows; None where they are too few, or do not determine it."""
+    """Herschel and Bulkley's law fitted to the comparable flows; None if there are too few, or if they do not determine
+    it.
+    """
     flows = [flows[place] for place in comparable(flows)]
     if len(flows) < FEWEST_POINTS:
         return None
@@ -211,7 +213,7 @@ def fitted_flow(flows: Sequence[SteadyFlow]) -> CurveFit | None:
 
 
 class Directions(NamedTuple):
-    """The indices of the flows at rates that rise, those at rates that fall, and all others."""
+    """The indices of the flows at increasing rates, those at decreasing rates, and all others."""
 
     rising: list[int]
     falling: list[int]
@@ -219,8 +221,8 @@ class Directions(NamedTuple):
 
 
 def directions(flows: Sequence[SteadyFlow]) -> Directions:
-    """Which flows belong to a sweep of rates up and which to one down, where the rates turn; the flow at a turn belongs
-    to both. Fewer than `FEWEST_RATES` in one direction, such as a pre-shear before the slowest rate, are no sweep.
+    """The flows of an upward and of a downward sweep of rates; a flow at a turning point belongs to both. Fewer than
+    `FEWEST_RATES` in one direction, such as a pre-shear before the slowest rate, are not a sweep.
     """
     rates = list(map(rate_of, flows))
     parts = [one for one in branches(rates) if len({rates[place] for place in one.places}) >= FEWEST_RATES]
@@ -231,11 +233,12 @@ def directions(flows: Sequence[SteadyFlow]) -> Directions:
 
 
 def hysteresis(flows: Sequence[SteadyFlow]) -> Difference | None:
-    """Where the stresses of comparable flows at falling rates differ most from those at rising ones; None where the
-    rates do not turn, or have none in common.
+    """The largest difference of the stresses of comparable flows between decreasing and increasing rates; None if there
+    is only one direction, or no common rate.
     """
     both = directions(flows)
-    good = set(comparable(flows)) - (set(both.rising) & set(both.falling))  # at the turn both are the same flow
+    # At the turning point both are the same flow.
+    good = set(comparable(flows)) - (set(both.rising) & set(both.falling))
     up, down = ([flows[place] for place in places if place in good] for places in (both.rising, both.falling))
     if not {rate_of(flow) for flow in up} & {rate_of(flow) for flow in down}:
         return None
@@ -261,8 +264,8 @@ def _sets_of_points(flows: Sequence[SteadyFlow], factor: float) -> list[tuple[li
 
 
 def flow_curve(frames: Frames, scene: SoftScene) -> Figure:
-    """Shear stress over shear rate, a point for each part of the protocol, with Herschel and Bulkley's law. A sweep of
-    rates up and down shows both directions.
+    """Shear stress over shear rate, with a point for each part of the protocol, and Herschel and Bulkley's law. A sweep
+    of rates up and down shows both directions.
     """
     flows = _required_flows(frames, scene)
     values, rates = list(map(stress_of, flows)), [flow.point.rate for flow in flows]
@@ -325,7 +328,7 @@ def normal_stresses(frames: Frames, scene: SoftScene) -> Figure:
 
 
 def viscosity_over_fraction(frames: Frames, scene: SoftScene) -> Figure:
-    """Viscosity over volume fraction: a point for each part of the protocol, and where it diverges."""
+    """Viscosity over volume fraction: a point for each part of the protocol, and the fraction at which it diverges."""
     flows = _required_flows(frames, scene)
     fractions = [flow.point.fraction for flow in flows]
     values = [flow.point.shear_viscosity for flow in flows]
@@ -391,7 +394,9 @@ def _creep_of(strains: Axes, rates: Axes, part: Sequence[Frame], color: str) -> 
 
 
 def oscillations(frames: Frames, scene: SoftScene) -> list[tuple[float, Moduli]]:
-    """The frequency (1/s) and the moduli of each oscillation of the protocol; of several periods, all but the first."""
+    """The frequency (1/s) and the moduli of each oscillation of the protocol; if there are several periods, without the
+    first one.
+    """
     now, strain, stress = times(frames), *series(frames, number("strain"), number("shear_stress"))
     stages = expanded(scene.protocol)
     ends = [*(stage.time for stage in stages[1:]), float(now[-1])]
@@ -408,8 +413,8 @@ def oscillations(frames: Frames, scene: SoftScene) -> list[tuple[float, Moduli]]
 
 
 def storage_and_loss(frames: Frames, scene: SoftScene) -> Figure:
-    """Stress over strain, and the moduli of each oscillation in the protocol: over frequency, or over the amplitude of
-    the strain where all frequencies are the same.
+    """Stress over strain, and the moduli of each oscillation in the protocol: over frequency, or over the strain
+    amplitude if all frequencies are equal.
     """
     require_box(scene, "stress")
     found = oscillations(frames, scene)
@@ -423,7 +428,7 @@ def storage_and_loss(frames: Frames, scene: SoftScene) -> Figure:
         scale = scale_for(float(np.abs(stress).max()), unit)
         loops.plot(strain, scale.factor * stress, color=PALETTE[1], linewidth=0.9)
         loops.set(xlabel="strain", ylabel=f"shear stress ({scale.unit})", title=titled("Stress over strain", scene))
-        loops.xaxis.set_major_locator(MaxNLocator(4))  # small strains have long numbers
+        loops.xaxis.set_major_locator(MaxNLocator(4))  # labels of small strains are long
         frequency = [one for one, _ in found]
         swept = len(found) > 1 and len(set(frequency)) == 1
         across = [answer.amplitude for _, answer in found] if swept else frequency
@@ -443,11 +448,11 @@ def storage_and_loss(frames: Frames, scene: SoftScene) -> Figure:
 
 
 def large_oscillations(frames: Frames, scene: SoftScene) -> Figure:
-    """The answer to each oscillation of the protocol: stress over strain (Lissajous figures), each divided by its
-    largest values, and the third harmonic over the amplitude of the strain.
+    """The stress response to each oscillation of the protocol: stress over strain (Lissajous figures), both divided by
+    their largest values, and the third harmonic over the strain amplitude.
     """
     require_box(scene, "stress")
-    frames = list(frames)  # read once
+    frames = list(frames)  # to read all frames only once
     found = [answer for _, answer in oscillations(frames, scene)]
     if not found:
         raise BadInput("the protocol has no oscillation of a whole period; see protocol.oscillation")
@@ -504,7 +509,7 @@ def gaps(frames: Frames, scene: SoftScene) -> Figure:
 
 
 def forces(frames: Frames, scene: SoftScene) -> Figure:
-    """The normal force of every contact over time, or their spread; tension is positive."""
+    """The normal force of every contact over time, or its distribution; tension is positive."""
     return _of_contacts(frames, scene, "tension", "N", "Normal forces of contacts")
 
 

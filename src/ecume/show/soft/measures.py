@@ -102,7 +102,7 @@ def viscosity(frames: Frames, scene: SoftScene) -> Figure:
 
 
 def _within_most(axes: Axes, values: Array) -> None:
-    """The range from the first to the last percent of the finite values."""
+    """Set the range from the first to the last percent of the finite values."""
     finite = values[np.isfinite(values)]
     if len(finite):
         low, high = np.percentile(finite, (1, 99))
@@ -207,8 +207,8 @@ def nonaffine(frames: Frames, scene: SoftScene) -> Figure:
 
 
 def _strain_apart(frames: Frames) -> tuple[Frame, Frame]:
-    """The last frame, and the latest one whose strain differs sufficiently; without such a frame, the one before the
-    last.
+    """The last frame, and the latest earlier one whose strain differs sufficiently; without such a frame, the second to
+    last one.
     """
     if len(frames) < 2:
         raise BadInput("motion takes two frames or more")
@@ -228,7 +228,9 @@ LAYERS = 12
 
 
 def across(frames: Frames, scene: SoftScene) -> Figure:
-    """Velocity and volume fraction over the height, means over the second half of the frames: shear bands show."""
+    """Velocity and volume fraction over the height, averaged over the second half of the frames; they show shear
+    bands.
+    """
     late = list(frames)
     late = late[len(late) // 2 :]
     found = layers(late, LAYERS)

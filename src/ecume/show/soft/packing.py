@@ -1,7 +1,7 @@
-"""A frame of soft spheres: a layer with its films and forces, or 3D packings as shaded balls.
+"""Pictures of soft spheres: a layer with its films and forces, or 3D packings as shaded balls.
 
-One instant of soft spheres, to scale: films colored by their gap, forces by their sign. A periodic box is drawn with
-its outline, and with the copies beside it, paler: nothing ends at its borders.
+Spheres are drawn to scale, films are colored by their gap, and forces by their sign. A periodic box is drawn with its
+outline, and surrounded by copies in paler colors.
 """
 
 from __future__ import annotations
@@ -90,7 +90,7 @@ class Links(NamedTuple):
 
 
 def links_of(frame: Frame) -> Links:
-    """The contacts in a frame; across a periodic border to the nearest copy."""
+    """The contacts in a frame; across a periodic border, to the nearest copy."""
     position, radius = frame.arrays["position"], frame.arrays["radius"]
     found = films(frame)
     first, second = found.pairs.T
@@ -109,13 +109,13 @@ def links_around(frame: Frame) -> Links:
         return links
     far = _beside(frame) + float(np.linalg.norm(links.along, axis=1).max(initial=0.0))
     around = copies(links.first, box, far)
-    # A copy of each contact's first sphere stands for the contact.
+    # A copy of the first sphere of each contact represents the contact.
     rest: Any = links[1:]
     return Links(around.position, *(column[around.owner] for column in rest))
 
 
 def flat_box(frame: Frame) -> Box | None:
-    """The periodic box seen along the third axis."""
+    """The periodic box, seen along the third axis."""
     box = box_of(frame)
     return None if box is None else box._replace(sides=box.sides[:2])
 
@@ -212,7 +212,9 @@ class Packing(Picture):
 
 
 def marks_of(frame: Frame) -> NDArray[np.float64]:
-    """A spoke of each sphere, (N, 2, 2), that rotates with it; in 3D, as seen from above. None without spins."""
+    """A spoke of each sphere, (N, 2, 2), that rotates with it; in 3D, as seen from above. Empty if spheres do not
+    rotate.
+    """
     arrays = frame.arrays
     if "angle" in arrays:
         spoke = np.stack([np.cos(arrays["angle"]), np.sin(arrays["angle"])], axis=1)
@@ -232,7 +234,7 @@ def _wall_line(axes: Axes, side: str) -> Line2D:
 
 
 def _film_lines(links: Links) -> NDArray[np.float64]:
-    """The lines perpendicular to each line of centers, between the facing surfaces."""
+    """The lines normal to each line of centers, between the facing surfaces."""
     length = np.linalg.norm(links.along, axis=1, keepdims=True)
     unit = links.along / np.maximum(length, 1e-300)
     middle = links.first + unit * (links.radius[:, :1] + 0.5 * links.gap[:, None])
@@ -286,7 +288,9 @@ MANY = 60
 def soft_picture(
     scene: SoftScene, sample: Sequence[Frame], size: Size = USUAL, eye: Eye | None = None
 ) -> Packing | Tank:
-    """Few spheres from above with their forces; many spheres in 3D as balls, or any number in perspective."""
+    """The picture of a frame: few spheres from above with their forces, many spheres in 3D as balls, or any number in
+    perspective.
+    """
     count, dimensions = sample[0].arrays["position"].shape
     if dimensions == 2 and eye is not None:
         raise BadInput("got azimuth or elevation for a 2D scene; expected a 3D scene, or neither of them")

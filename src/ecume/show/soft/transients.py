@@ -38,7 +38,7 @@ class Turn(NamedTuple):
 
     @property
     def stops(self) -> bool:
-        """Whether a flow ends, at a strain that is held from then on."""
+        """Whether a flow ends, with a constant strain from then on."""
         return self.before.shear_rate != 0.0 and self.after.shear_rate == 0.0 and not self.after.stressed
 
     @property
@@ -82,7 +82,7 @@ def start_ups(frames: Frames, scene: SoftScene) -> Figure:
 
 
 def relaxations(frames: Frames, scene: SoftScene) -> Figure:
-    """The shear stress over the time since each flow stopped, over that at its end."""
+    """The shear stress over the time since each flow stopped, relative to that at its end."""
     require_box(scene, "stress")
     frames = list(frames)
     found = [(turn, relaxation(since(frames, turn.start, turn.end))) for turn in turns(scene) if turn.stops]
@@ -103,7 +103,7 @@ def relaxations(frames: Frames, scene: SoftScene) -> Figure:
 
 
 def recoveries(frames: Frames, scene: SoftScene) -> Figure:
-    """The strain that returns after each shear stress was removed, over the strain of the creep before."""
+    """The recovered strain after each removal of a shear stress, over the strain of the preceding creep."""
     require_box(scene, "strain")
     frames = list(frames)
     found = [

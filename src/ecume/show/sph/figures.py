@@ -45,7 +45,7 @@ AXES = "xyz"
 
 
 def pressure(frames: Frames, scene: SphScene) -> Figure:
-    """The pressure of each particle against its height at the end, and the exact one of this liquid at rest."""
+    """The pressure of each particle against its height at the end, and the exact pressure of this liquid at rest."""
     last = frames[-1]
     height, weight = _heights(last, scene)
     depth, exact = _column(last, scene, weight)
@@ -65,8 +65,8 @@ def pressure(frames: Frames, scene: SphScene) -> Figure:
 
 
 def _absolute_axis(axes: Axes, scene: SphScene, factor: float) -> None:
-    """A second axis with absolute pressures, where the scene gives an atmospheric pressure; `factor` is that of the
-    first.
+    """Add a second axis with absolute pressures if the scene gives an atmospheric pressure; `factor` is that of the
+    first axis.
     """
     atmospheric = scene.liquid.atmospheric_pressure
     if not atmospheric:
@@ -86,8 +86,8 @@ def _absolute_axis(axes: Axes, scene: SphScene, factor: float) -> None:
 
 
 def dynamic_pressure(frames: Frames, scene: SphScene) -> Figure:
-    """The dynamic pressure of each particle against its height at the end: the gauge pressure without the hydrostatic
-    one, zero at rest.
+    """The dynamic pressure of each particle against its height at the end: the gauge pressure minus the hydrostatic
+    one, which is zero at rest.
     """
     height, _ = _heights(frames[-1], scene)
     if scene.second_liquid is not None:
@@ -115,8 +115,8 @@ def _column(frame: Frame, scene: SphScene, weight: float) -> tuple[Array, Array]
     """Depths and pressures of the same amount of liquid at rest on the whole floor, around the
     solids there.
 
-    What is solid below the level is as good as liquid there, so that the level is a fixed point: each solid raises it,
-    and a higher level may wet more of the solid.
+    Solid parts below the level displace liquid and raise the level, and a higher level may submerge more of a solid.
+    The level is therefore found as a fixed point.
     """
     from ecume.models.sph.setup.building import material_of
 
@@ -153,7 +153,7 @@ FLOWS = ("inflow", "outflow")
 
 
 def front(frames: Frames, scene: SphScene) -> Figure:
-    """The largest x and the largest height that a particle has."""
+    """The largest x and the largest height of all particles."""
     closed = {side for side in ("right", "top") if getattr(scene.tank, side).kind not in ("wall", "open")}
     names = {name: label for side, name, label in FRONTS if side not in closed}
     if not names or "left" in _flowing(scene):
@@ -190,8 +190,8 @@ def snapshot(frames: Frames, scene: SphScene) -> Figure:
 
 
 def velocity(frames: Frames, scene: SphScene) -> Figure:
-    """Velocities along two lines through the tank's middle: u along the vertical one, v (in tanks in which z points up,
-    w) along the level one.
+    """Velocities along two lines through the middle of the tank: u along the vertical one, v (or w in tanks in which z
+    points up) along the horizontal one.
     """
     chosen = _instants(frames, 3)
     level = [_along(frame, scene, axis=0) for frame in chosen]
@@ -262,7 +262,7 @@ def _lines(axes: Axes, lines: Sequence[Array], scale: Scale, color: str, label: 
 
 
 def gauges(frames: Frames, scene: SphScene) -> Figure:
-    """The readings of the scene's gauges over time: pressures, levels and velocities, one panel each; from the samples
+    """The readings of the gauges over time: pressures, levels and velocities, with one panel each; from the samples
     between frames if the run has them.
     """
     shown = evolution(frames)
@@ -296,8 +296,8 @@ MOST_SOLIDS = 6
 
 
 def forces(frames: Frames, scene: SphScene) -> Figure:
-    """The forces of the liquid on obstacles and bodies over time, one panel each, at most on the six with the largest
-    forces; of a tank without any on its sides; from the samples between frames if the run has them.
+    """The forces of the liquid on obstacles and bodies over time, with one panel each, for at most the six with the
+    largest forces; in a tank without solids, on its sides; from the samples between frames if the run has them.
     """
     shown = evolution(frames)
     known = [name.removesuffix("_force_x") for name in shown[0].numbers if name.endswith("_force_x")]
@@ -332,7 +332,7 @@ SINGLE = "single readings: at impacts only averages are meaningful"
 
 
 def single_readings(frames: Frames, scene: SphScene, kind: str, names: Sequence[str]) -> bool:
-    """Whether the values of a kind of gauge are pressures to which this remark applies."""
+    """Whether a kind of gauge reads pressures to which this remark applies."""
     if GAUGE_UNITS[kind] != "Pa" or pressure_of(scene).compressible or not free_surface(scene):
         return False
     sampled, spec = samples_of(frames), scene.output.samples
@@ -351,7 +351,7 @@ GAUGE_UNITS = {"pressure": "Pa", **dict.fromkeys(DERIVED, "Pa"), "level": "m", "
 
 
 def _readings(scene: SphScene, kind: str) -> set[str]:
-    """The numbers that this scene's gauges give of a kind."""
+    """The names of the numbers from gauges of a kind."""
     components = [f"_{axis}" for axis in AXES] if kind == "velocity" else [""]
     rows = [(gauge, range(1, (gauge.count or 0) + 1)) for gauge in scene.gauges if kind in gauge.quantities]
     names = [gauge.name if gauge.end is None else f"{gauge.name}_{n}" for gauge, row in rows for n in row or (0,)]

@@ -1,11 +1,11 @@
-"""The liquid as a continuous region: the sum of smooth kernels around its particles on a grid, and how Matplotlib draws
-it in 2D.
+"""The liquid as a continuous region: the sum of smooth kernels around its particles on a grid, and its drawing by
+Matplotlib in 2D.
 
 Each particle is spread over a Gaussian of standard deviation `SMOOTHING` spacings, in 2D and 3D. The sum of volume
 times kernel is 1 inside the liquid, 0 outside, and 1/2 at its edge: a lattice with a flat edge ends half a spacing
-beyond its last row. At walls the sum is mirrored, at periodic sides continued, and beside solids divided by the part
-that is not solid, so that the liquid ends at them without a gap. A particle far from all others is a disc (a ball) of
-the particle's volume.
+beyond its last row. The sum is mirrored at walls, continued at periodic sides, and near solids divided by the part that
+is not solid, so that no gap remains between liquid and solid. A particle far from all others is a disc (a ball) of the
+particle's volume.
 """
 
 from __future__ import annotations
@@ -66,7 +66,7 @@ class Grid(NamedTuple):
 
     @property
     def cell(self) -> Array:
-        """(d,) the size of a cell (m)."""
+        """The size of a cell, (d,) m."""
         size: Array = (self.high - self.low) / np.array(self.shape)
         return size
 
@@ -139,7 +139,7 @@ def deposited(position: Array, weight: Array, grid: Grid) -> Array:
 
 
 def _folded(index: Counts, grid: Grid, axis: int) -> Counts:
-    """Indices of cells beyond an end are those of the mirrored or the repeated cell."""
+    """Indices of cells beyond an end, replaced by those of the mirrored or repeated cells."""
     count = grid.shape[axis]
     if grid.periodic[axis]:
         return np.asarray(index % count)
@@ -147,7 +147,7 @@ def _folded(index: Counts, grid: Grid, axis: int) -> Counts:
 
 
 def smoothed(field: Array, widths: Array, grid: Grid, *, linear: bool) -> Array:
-    """The convolution with the kernel; `linear` deposition has smoothed by a part of it already."""
+    """The convolution with the kernel, without the smoothing that the `linear` deposition has already caused."""
     for axis, width in enumerate(widths):
         own = math.sqrt(max(float(width) ** 2 - (1.0 / 6.0 if linear else 0.0), 1e-6))
         ends: Literal["wrap", "reflect"] = "wrap" if grid.periodic[axis] else "reflect"
@@ -181,7 +181,7 @@ def lonely_part(filled: Array) -> Array:
 
 
 def add_discs(level: Array, grid: Grid, liquid: Liquid, part: Array, spacing: float) -> None:
-    """Raise the level to that of a disc (a ball) of the particle's volume around each isolated particle."""
+    """Raise the level around each isolated particle to that of a disc (a ball) with the volume of the particle."""
     chosen = part > 0.0
     if not chosen.any():
         return
@@ -208,7 +208,7 @@ OPEN = ("open",)
 
 
 class Surface(NamedTuple):
-    """The region of a liquid and the grid on which it is known."""
+    """The region of a liquid and its grid."""
 
     region: Region
     grid: Grid
@@ -229,7 +229,7 @@ class Surface(NamedTuple):
         return Path(np.zeros((0, 2))) if points is None else Path(points, codes)
 
     def lines(self) -> list[Array]:
-        """The free surface, (K, 2) each: it ends at walls and does not run along them (m)."""
+        """The free surface, (K, 2) each in m; it ends at walls and does not run along them."""
         x, y, level = self.padded()
         lines: Any = contour_generator(x, y, level, line_type=LineType.Separate).lines(0.0)
         return list(lines)
@@ -238,9 +238,9 @@ class Surface(NamedTuple):
 def surface_of(
     scene: SphScene, frame: Frame, values: Array, fine: float = COARSEST, window: tuple[Array, Array] | None = None
 ) -> Surface:
-    """The region of a frame's liquid with the means of (N, k) values, on a grid with `fine` cells per spacing.
+    """The region of the liquid in a frame with the means of (N, k) values, on a grid with `fine` cells per spacing.
 
-    `window` are the corners of what is to be seen: open sides end there.
+    `window` contains the corners of the visible region, where open sides end.
     """
     liquid = liquid_in(frame, scene.spacing, values)
     low, high = room_of(scene, frame, liquid.position, window)
@@ -251,7 +251,7 @@ def surface_of(
 
 
 def free_lines(scene: SphScene, frame: Frame) -> list[Array]:
-    """The free surface of a frame in 2D as lines, (K, 2) each (m): they end at walls and at solids."""
+    """The free surface of a frame in 2D as lines, (K, 2) each in m, which end at walls and solids."""
     lines = surface_of(scene, frame, np.zeros((len(frame.arrays["position"]), 0))).lines()
     solid = solids_in(scene, frame)
     return lines if solid is None else [piece for line in lines for piece in outside_of(solid, line)]
@@ -276,7 +276,7 @@ def liquid_in(frame: Frame, spacing: float, values: Array) -> Liquid:
 def room_of(
     scene: SphScene, frame: Frame, position: Array, window: tuple[Array, Array] | None = None
 ) -> tuple[Array, Array]:
-    """The corners of the tank at the present positions of its walls; at open sides those of the liquid."""
+    """The corners of the tank at the present positions of its walls; at open sides, those of the liquid."""
     low, high = walls_at(scene, frame)
     reach = SUPPORT * SMOOTHING * scene.spacing
     for number, side in enumerate(scene.sides):
@@ -320,7 +320,7 @@ def inside_any(shapes: Sequence[Shape], points: Array) -> Flags:
 
 
 class Water:
-    """The artists of a liquid: `put` gives them the region of a frame."""
+    """The artists of a liquid, to which `put` passes the region of a frame."""
 
     def __init__(self, axes: Axes, scene: SphScene, color: str = RIM) -> None:
         self.axes, self.scene = axes, scene
@@ -346,6 +346,6 @@ class Water:
         self.line.set_segments(surface.lines())
 
     def _fine(self) -> float:
-        """The number of cells per spacing for the pixels of the axes."""
+        """The number of cells per spacing that suits the pixels of the axes."""
         (left, _), (right, _) = self.axes.transData.transform([(0.0, 0.0), (self.scene.spacing, 0.0)])
         return min(max(float(right - left) / CELL, COARSEST), FINEST)

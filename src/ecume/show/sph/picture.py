@@ -88,8 +88,8 @@ def liquid_picture(
     """The tank with its liquid colored by pressure under gravity, otherwise by speed, or as `color`
     specifies.
 
-    In 2D the liquid is a continuous region, in 3D translucent water unless there is a `color`; with `particles` each
-    particle is a disc or a ball as large as the spacing.
+    In 2D the liquid is a continuous region, in 3D translucent water unless a `color` is given; with `particles` each
+    particle is a disc or a ball with the diameter of the spacing.
     """
     name, colorings = color or usual_color(scene), colorings_of(scene)
     if name not in colorings:
@@ -186,8 +186,8 @@ class LiquidTank(Tank):
 
 
 def usual_color(scene: SphScene) -> str:
-    """The default quantity for colors: the liquids where there are two; the pressure under gravity, otherwise the
-    speed.
+    """The default quantity for colors: the two liquids, if there are two; otherwise the pressure under gravity, or the
+    speed without gravity.
     """
     if scene.second_liquid is not None:
         return "region"
@@ -195,7 +195,7 @@ def usual_color(scene: SphScene) -> str:
 
 
 def setting_of(scene: SphScene) -> Setting:
-    """A tank in 2D: open sides are not drawn, periodic sides are dotted, moving sides are movers."""
+    """The setting of a tank in 2D: open sides are not drawn, periodic sides are dotted, moving sides are movers."""
     corners = rectangle(scene.tank.low, scene.tank.high)
     sides = [(getattr(scene.tank, side), corners[[first, last]]) for side, first, last in EDGES]
     walls = [ends for side, ends in sides if side.kind == "wall" and side.motion is None]
@@ -218,7 +218,7 @@ def setting_of(scene: SphScene) -> Setting:
 
 
 def walled(scene: SphScene) -> tuple[Array, Array]:
-    """The corners of a 2D tank (m), infinite at sides that are no walls or that move."""
+    """The corners of a 2D tank (m); infinite at sides that move or are not walls."""
     corners = np.array([scene.tank.low, scene.tank.high], dtype=float)
     for number, name in enumerate(scene.sides):
         side = getattr(scene.tank, name)
@@ -263,7 +263,7 @@ def solid_lines(solid: Any, camera: Array) -> list[Array]:
 
 
 def regions(scene: SphScene) -> list[Species]:
-    """The [[fluid]] tables, each in its color, and the [[passive_tracers]], in colors that the liquid seldom has."""
+    """The [[fluid]] tables, each with its color, and the [[passive_tracers]], in colors that the liquid seldom has."""
     palette, bright = itertools.cycle(PALETTE[1:]), itertools.cycle(BRIGHT)
     liquid = [Species(f"region {n}", part.color or next(palette)) for n, part in enumerate(scene.fluid, 1)]
     if scene.second_liquid is not None:

@@ -38,7 +38,7 @@ def movers_of(scene: SphScene, camera: Array | None = None) -> Callable[[Frame],
 
 
 def mover_colors(scene: SphScene, usual: str, flat: bool) -> list[str]:
-    """The colors of these lines in their order; bodies may have their own."""
+    """The colors of these lines in their order; bodies may have separate colors."""
     bodies = [body.color or usual for body in scene.bodies for _ in range(lines_of(body, flat))]
     driven = [side for side in scene.sides if getattr(scene.tank, side).motion is not None]
     return bodies + [usual] * (len(driven) * flat)
@@ -66,8 +66,8 @@ def body_lines(body: Any, name: str, frame: Frame, camera: Array | None) -> list
 
 
 def solid_cells(scene: SphScene, frame: Frame, tank: tuple[Array, Array]) -> tuple[Array, Array]:
-    """Heights (m) and volumes of cells that fill the obstacles and bodies of a frame between the corners of a tank,
-    each place once.
+    """Heights and volumes of cells that fill the obstacles and bodies of a frame between the corners of a tank;
+    overlaps count once.
     """
     low, high = tank
     heights, volumes, earlier = [np.zeros(0)], [np.zeros(0)], list[shapes.Shape]()
@@ -113,7 +113,7 @@ def drawn_shape(solid: Any) -> shapes.Shape:
         return Polygon(np.array(solid.vertices))
     if solid.low is not None:
         return Box(np.array(solid.low), np.array(solid.high))
-    from ecume.engine.outlines import hull_of  # meshes need the compiler, other shapes do not
+    from ecume.engine.outlines import hull_of  # meshes require the compiler, other shapes do not
     from ecume.models.sph.setup.shapes import shape_of as whole
 
     return whole(solid) if hasattr(solid, "triangles") else hull_of(np.array(solid.vertices))
@@ -131,7 +131,7 @@ def corners(shape: shapes.Shape) -> Array:
 
 
 def edges(shape: shapes.Shape) -> list[Array]:
-    """The edges of a solid in 3D, (2, 3) each: of a mesh the sharp ones, or all where none is sharp."""
+    """The edges of a solid in 3D, (2, 3) each; for a mesh the sharp edges, or all if none is sharp."""
     triangles = getattr(shape, "triangles", None)
     if triangles is not None:
         return _edges_of_mesh(triangles)
@@ -176,7 +176,7 @@ def turned(quaternion: list[float]) -> Array:
 
 
 def side_line(scene: SphScene, side: str, frame: Frame) -> Array:
-    """A side of the tank where it is, as thick as a wall."""
+    """A side of the tank at its position, drawn with the thickness of a wall."""
     number = scene.sides.index(side)
     axis, first = number // 2, number % 2 == 0
     low, high = np.array(scene.tank.low), np.array(scene.tank.high)
@@ -192,7 +192,7 @@ def rectangle(low: Any, high: Any) -> Array:
 
 
 def outline(solid: Any, tank: Any) -> Shape:
-    """The drawn outline of a solid of a scene in 2D. A hollow one is the tank, with a seam to the hole and back."""
+    """The drawn outline of a solid in 2D. A hollow one is the tank, with a seam to the hole and back."""
     if solid.radius is not None:
         whole: Shape = Round(solid.center[0], solid.center[1], solid.radius)
     else:

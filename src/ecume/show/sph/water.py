@@ -44,7 +44,7 @@ SHINE = 60.0
 
 
 class Solid(NamedTuple):
-    """An obstacle or a body where it is."""
+    """An obstacle or a body at its present position."""
 
     shape: Shape
     """about its middle"""
@@ -66,12 +66,12 @@ def solids_of(scene: SphScene, frame: Frame) -> list[Solid]:
 
 
 def color_of(solid: Any) -> str:
-    """The color of a solid: its own, or the default."""
+    """The color of a solid: the given one, or the default."""
     return str(solid.color or BODY)
 
 
 def solid_level(solids: list[Solid], grid: Grid) -> tuple[Array, Counts]:
-    """The depth inside the nearest solid in every cell (m; negative: outside), and which solid it is."""
+    """The depth inside the nearest solid in every cell (m; negative outside), and the index of this solid."""
     depths = [_depth(one, grid.points(), float(grid.cell.max())) for one in solids]
     if not depths:
         return np.zeros((0, 0, 0)), np.zeros((0, 0, 0), np.int64)
@@ -80,7 +80,7 @@ def solid_level(solids: list[Solid], grid: Grid) -> tuple[Array, Counts]:
 
 
 def _depth(solid: Solid, points: Array, margin: float) -> Array:
-    """The depth (N,) of points in a solid; for points outside of its bounding box, minus their distance from that."""
+    """The depth (N,) of points in a solid; for points outside its bounding box, minus their distance from the box."""
     own = (points - solid.middle) @ solid.turn
     low, high = solid.shape.bounds()
     depth: Array = -np.maximum(low - own, own - high).max(axis=1)
@@ -109,7 +109,7 @@ def scenery_of(scene: SphScene, frame: Frame, values: Array) -> Scenery:
         low = np.maximum(low, liquid.position.min(axis=0) - reach)
         high = np.minimum(high, liquid.position.max(axis=0) + reach)
     solids = solids_of(scene, frame)
-    for solid in solids:  # including solids above the liquid
+    for solid in solids:  # solids above the liquid are included
         ends = solid.middle + np.concatenate(edges_of(*solid.shape.bounds())) @ solid.turn.T
         low = np.minimum(low, np.maximum(ends.min(axis=0), scene.tank.low))
         high = np.maximum(high, np.minimum(ends.max(axis=0), scene.tank.high))
@@ -167,7 +167,7 @@ def painted(
 
 
 def clear_of(grid: Grid) -> float:
-    """The distance (m) in the liquid after which 1/e of the light is left."""
+    """The distance (m) in the liquid after which 1/e of the light remains."""
     return CLEAR * float((grid.high - grid.low).min())
 
 
@@ -183,7 +183,7 @@ def lit(met: Array, camera: Array, behind: Array, body: Array, clear: float, *, 
     if opaque:
         shaded = body * (0.5 + 0.5 * light) + 0.4 * shine
     else:
-        # Each color is absorbed by the part that the liquid's own color lacks.
+        # The absorption of each color is proportional to its complement in the color of the liquid.
         passed = CLEAREST * np.exp(-met[:, 2:3] / clear * (1.15 - body))
         through = behind * passed + body * (1.0 - passed.mean(axis=1, keepdims=True)) * 0.55
         shaded = through * (0.72 + 0.28 * light)
@@ -193,7 +193,7 @@ def lit(met: Array, camera: Array, behind: Array, body: Array, clear: float, *, 
 
 
 def points_at(scenery: Scenery, met: Array, camera: Array, view: View, which: int) -> Array:
-    """The points (rows, columns, 3) where rays meet the liquid (0) or a solid (1); far away where they miss."""
+    """The points (rows, columns, 3) where rays meet the liquid (0) or a solid (1); far away for rays that miss them."""
     rows, columns = met.shape[:2]
     across = view.left + view.width * (np.arange(columns) + 0.5) / columns
     up = view.bottom + view.height * (np.arange(rows) + 0.5) / rows

@@ -39,7 +39,7 @@ class _Packing:
     """A growing block of data, with the offsets of its entries."""
 
     def __init__(self, rows: int) -> None:
-        """Begin with this number of frames with as many particles; 1 where their number changes."""
+        """Start a block with this number of frames with equal numbers of particles; 1 if their number changes."""
         self.rows = rows
         self.parts: list[bytes] = []
         self.size = 0
@@ -66,7 +66,7 @@ class _Packing:
         self.size += len(plain)
 
     def quantized(self, name: str, values: Numbers) -> None:
-        """Pack numbers as integer steps from the least to the largest; unchanged where this would lose or create
+        """Pack numbers as integer steps from the smallest to the largest; unchanged where this would lose or create
         values.
         """
         low, high = (float(values.min()), float(values.max())) if values.size else (0.0, 1.0)
@@ -81,7 +81,7 @@ class _Packing:
         self.ranges[name] = [low, high]
 
     def few(self, name: str, values: Numbers) -> None:
-        """Add numbers that the page shows as color or width, in few steps from the smallest to the largest."""
+        """Add numbers that the page shows as color or width, in a few steps from the smallest to the largest."""
         low, high = (float(values.min()), float(values.max())) if values.size else (0.0, 1.0)
         self.add(name, np.rint((values - low) * (FEW_STEPS / max(high - low, 1e-300))), "u1")
         self.ranges[name] = [low, high]
@@ -94,7 +94,7 @@ class _Packing:
 
 
 def pack(frames: Sequence[Frame], stage: Stage) -> Chunk:
-    """These frames as one chunk."""
+    """A chunk with these frames."""
     frames = [shown(frame, stage) for frame in frames]
     counts = [len(frame.arrays["position"]) for frame in frames]
     packing = _Packing(len(frames) if len(set(counts)) == 1 else 1)
@@ -120,10 +120,11 @@ def pack(frames: Sequence[Frame], stage: Stage) -> Chunk:
 
 
 def moves(steps: Numbers) -> bytes:
-    """Rows of numbers from 0 to 65535 as their differences from row to row (of the first from zero), modulo 65536.
+    """The rows of numbers from 0 to 65535 as their differences to the previous row (for the first, to zero), modulo
+    65536.
 
-    They are folded, so that small ones are small whatever their sign, and the low bytes of all stand before the high
-    ones: of what moves little these are all zero, which gzip takes for nothing.
+    Differences are encoded so that small magnitudes of either sign are small numbers, and all low bytes precede all
+    high bytes. For slow motion the high bytes are zero, which gzip compresses to nearly nothing.
     """
     turned = np.diff(steps.astype(np.uint16), axis=0, prepend=np.zeros((1, steps.shape[1]), np.uint16)).view(np.int16)
     folded = ((turned << 1) ^ (turned >> 15)).astype("<u2")
@@ -131,8 +132,8 @@ def moves(steps: Numbers) -> bytes:
 
 
 def shown(frame: Frame, stage: Stage) -> Frame:
-    """A frame with derived arrays. Floats with a shape are drawn as outlines around discs, whose radius stands for that
-    of the circle around. Tracers that have left keep their numbers, and have the radius 0, which is not drawn.
+    """A frame with derived arrays. Floats with a shape are drawn as outlines around discs; their radius is that of the
+    circumscribed circle. Tracers that have left keep their numbers, and have the radius 0, so that they are not drawn.
     """
     frame = frame if stage.derived is None else stage.derived(frame)
     if stage.inner is not None:
@@ -144,7 +145,7 @@ def shown(frame: Frame, stage: Stage) -> Frame:
 
 
 def quantities(frame: Frame) -> dict[str, Numbers]:
-    """The quantities by which particles can be colored: the arrays of a frame, of vectors the magnitude."""
+    """The quantities by which particles can be colored: the arrays of a frame, and for vectors the magnitude."""
     found: dict[str, Numbers] = {}
     dimension = frame.arrays["position"].shape[1]
     for name, values in frame.arrays.items():
@@ -181,7 +182,9 @@ def _quantities(packing: _Packing, frames: Sequence[Frame], stage: Stage) -> lis
 
 
 def _colored(frame: Frame, stage: Stage) -> Numbers:
-    """The values that determine the range of colors: all except those of particles with separate colors or gone."""
+    """The values that determine the range of colors: all except those of particles that have left or have separate
+    colors.
+    """
     there = present(frame)
     return there if stage.apart is None else there & (frame.arrays["species"] < stage.apart)
 
@@ -203,8 +206,8 @@ def _movers(packing: _Packing, frames: Sequence[Frame], stage: Stage) -> list[in
 def _links(packing: _Packing, frames: Sequence[Frame], stage: Stage) -> list[int]:
     """Add the contacts. Returns the number in each frame.
 
-    They are stored as pairs of particle numbers, whose positions are known: from frame to frame these are nearly the
-    same, which gzip takes for little. What leads from a particle to its copy across a border is one of few ways.
+    Contacts are stored as pairs of particle numbers, whose positions are known. The pairs change little from frame to
+    frame, so that gzip compresses them well. The shift from a particle to its copy across a border is one of few.
     """
     if stage.links is None:
         return []
@@ -223,7 +226,7 @@ def _links(packing: _Packing, frames: Sequence[Frame], stage: Stage) -> list[int
 
 
 def _ways(frame: Frame, links: Links) -> tuple[Numbers, Numbers]:
-    """The periodic shift of each contact's second particle, as an index into the list of shifts (W, d) (m)."""
+    """The periodic shift of the second particle of each contact, as an index into the list of shifts (W, d) in m."""
     first, second = links.pairs.T
     place = frame.arrays["position"][:, : links.along.shape[1]]
     shift = links.along - (place[second] - place[first])

@@ -1,8 +1,6 @@
-"""The page of a run: the script and style that esbuild made of `web/`, and a run packed into it.
+"""The page of a run: the script and style that esbuild made from `web/`, with the packed run.
 
-The last part is how frames, trajectories and runs show themselves in a notebook.
-
-The page of a run in progress, from a server on this machine.
+The page of a run in progress is served on this machine. The last part contains the views in notebooks.
 """
 
 from __future__ import annotations
@@ -69,14 +67,15 @@ def filled(parts: Parts, title: str, data: str, *, live: bool) -> str:
         "@DATA@": data,
     }
     text = bundled(parts.page)
-    # Split and joined, not replaced one after the other: the text of a scene is never taken for a placeholder.
+    # Split and joined instead of replaced one after the other, so that text of a scene is never taken for a
+    # placeholder.
     for mark in marks:
         text = text.replace(mark, f"\0{mark}\0")
     return "".join(marks.get(piece, piece) for piece in text.split("\0"))
 
 
 def policy_of(parts: Parts, *, live: bool) -> str:
-    """The content security policy: run only its script and style, and send requests only to its server."""
+    """The content security policy: the page runs only its script and style, and sends requests only to its server."""
     script, style = (_hash(bundled(name)) for name in (parts.script, parts.style))
     connect = "'self'" if live else "'none'"
     wasm, worker = (" 'wasm-unsafe-eval'", "worker-src blob:; ") if parts.simulates else ("", "")
@@ -91,13 +90,13 @@ MOST_TEXT = 2**24
 
 
 def json_of(value: Any) -> str:
-    """JSON without characters that HTML could interpret; these are escaped."""
+    """JSON in which characters that HTML could interpret are escaped."""
     text = json.dumps(value, separators=(",", ":"), allow_nan=False)
     return text.replace("<", "\\u003c").replace(">", "\\u003e").replace("&", "\\u0026")
 
 
 def data_of(name: str, kind: str, text: str) -> str:
-    """Something for the page's script to read."""
+    """An element with data for the script of the page."""
     return f'<script type="{kind}" id="{name}">{text}</script>'
 
 
@@ -138,9 +137,10 @@ class Page(NamedTuple):
 def save_page(
     directory: str | os.PathLike[str], out: str | os.PathLike[str] | None = None, max_size: float = MOST
 ) -> Page:
-    """Write the page of a run, of at most so many MB, into `out`; by default into `results/view.html` of the run.
+    """Write the page of a run, with at most this size in MB, into `out`; by default into `results/view.html` of the
+    run.
 
-    Where not all frames fit, each second, third ... is shown.
+    If not all frames fit, the page shows every second, third ... one.
     """
     target = Path(directory) / "results" / "view.html" if out is None else Path(out)
     with open_trajectory(directory) as trajectory:
@@ -244,7 +244,9 @@ def _outline(line: Line) -> dict[str, Any]:
 
 
 def _with_numbers(first: Frame, last: Frame) -> list[str]:
-    """Quantities that any particle has a number of: discs, whose edges take any angle, have no contact angle."""
+    """The quantities that have a number for at least one particle: discs, whose edges permit any angle, have no contact
+    angle.
+    """
     both = quantities(first), quantities(last)
     return [name for name in both[0] if any(np.isfinite(one[name]).any() for one in both)]
 
@@ -264,8 +266,8 @@ def hexadecimal(color: str) -> str:
 
 
 def color_map(name: str, *, dark: bool = False) -> str:
-    """256 colors as base64; on a dark page without those of its ends that would not be seen. `height` may be followed
-    by the color of the liquid.
+    """The 256 colors of a colormap as base64; on a dark page, without ends that would not be visible. `height` may be
+    followed by the color of the liquid.
     """
     colors = height_colormap(name[7:] or None) if name.startswith("height") else mpl.colormaps[name]
     low, high = seen_part(colors, DARK_CANVAS) if dark else (0.0, 1.0)
@@ -274,7 +276,7 @@ def color_map(name: str, *, dark: bool = False) -> str:
 
 
 def _facts(trajectory: Trajectory) -> list[tuple[str, str]]:
-    """The entries of the run's manifest on its origin."""
+    """The entries of the manifest of the run on its origin."""
     manifest = trajectory.manifest
     facts = [(name, str(manifest[name])) for name in FACTS if manifest.get(name) is not None]
     facts += [(name, str(manifest[name])[:16]) for name in ("scene_sha256",) if name in manifest]
@@ -306,8 +308,8 @@ EDGE = 0.05
 
 
 def player(trajectory: Trajectory, max_size: float = MOST_IN_A_CELL) -> str:
-    """The page of a run as a piece of HTML of at most so many MB: it is a separate document, with scripts, without
-    the notebook's origin and without network. Where not all frames fit, each second, third ... is shown.
+    """The page of a run as a piece of HTML of at most this size in MB. It is a separate document with scripts, without
+    the origin of the notebook and without network. If not all frames fit, it shows every second, third ... one.
     """
     if not len(trajectory):
         raise BadInput(f"{trajectory.directory}: the run has no frames yet; nothing to show")
@@ -352,7 +354,7 @@ def in_notebook(what: Any) -> str | None:
             return player(what)
         with Trajectory(Path(what) / "traj") as trajectory:
             return player(trajectory)
-    except (BadInput, StorageError):  # then the notebook prints the object as text
+    except (BadInput, StorageError):  # the notebook then prints the object as text
         return None
 
 
@@ -375,7 +377,7 @@ FAREWELL = 3.0
 
 @dataclass
 class Source:
-    """A run for the server. Requests run in separate threads; the files are accessed by one at a time."""
+    """A run for the server. Requests run in separate threads; a lock permits access to the files by one at a time."""
 
     directory: Path
     state: Callable[[], str]
@@ -419,7 +421,9 @@ class Source:
             return page(run_header(trajectory, stage, live=True), [], live=True)
 
     def frames(self, begin: int) -> bytes:
-        """The frames since the page's last one: the length of a JSON, the JSON, bytes of the frames."""
+        """The frames since the last one of the page: the length of a JSON text, the JSON text, and the bytes of the
+        frames.
+        """
         state = self.state()  # read before the frames: after the end of the run no frames are added
         with self._lock:
             trajectory, stage = self._opened()
@@ -441,7 +445,7 @@ class Source:
 
 
 def awaited(directory: Path) -> Trajectory:
-    """The trajectory of a run that may just have begun."""
+    """The trajectory of a run that may have just started."""
     end = time.monotonic() + PATIENCE
     while True:
         with contextlib.suppress(BadInput, StorageError):
@@ -460,7 +464,9 @@ def _whole(text: str) -> int:
 
 @contextlib.contextmanager
 def serving(source: Source) -> Iterator[str]:
-    """Serve a run while the block lasts; the page's address. At the end the page is given time to hear of it."""
+    """Serve a run while the block lasts; yield the address of the page. At the end, wait until the page has received
+    the last state.
+    """
     with served(source) as address:
         try:
             yield address

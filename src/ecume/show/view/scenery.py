@@ -1,4 +1,4 @@
-"""The scenery on the page by model: walls, dish, surface, contacts, tanks; `STAGES` is the table of it."""
+"""The scenery on the page by model: walls, dish, surface, contacts, tanks; and its table `STAGES`."""
 
 from __future__ import annotations
 
@@ -47,19 +47,19 @@ class Links(Protocol):
 
     @property
     def pairs(self) -> Any:
-        """(C, 2) the numbers of both particles"""
+        """The numbers of both particles of each contact, (C, 2)."""
 
     @property
     def along(self) -> Array:
-        """(C, d) m: from the first to the second, or to its copy that is nearest"""
+        """The vectors from the first particle to the second, or to its nearest copy, (C, d) m."""
 
     @property
     def gap(self) -> Array:
-        """(C,) m"""
+        """The gap of each contact, (C,) m."""
 
     @property
     def tension(self) -> Array:
-        """(C,) N"""
+        """The tension of each contact, (C,) N."""
 
 
 class Line(NamedTuple):
@@ -74,7 +74,7 @@ class Line(NamedTuple):
 
 
 class Surface(NamedTuple):
-    """The drawing of the surface's heights."""
+    """The drawing of the heights of the surface."""
 
     columns: int
     rows: int
@@ -136,7 +136,7 @@ class Stage(NamedTuple):
 
 
 def circle(middle: Array, radius: float) -> Array:
-    """Points around."""
+    """Points on a circle."""
     points: Array = middle + radius * np.column_stack([np.cos(ROUND), np.sin(ROUND)])
     return points
 
@@ -146,7 +146,7 @@ BALL_LINES = 3
 
 
 def sph_stage(scene: Any, sample: Sequence[Frame]) -> Stage:
-    """The tank, obstacles, bodies, moving sides."""
+    """The scenery of a tank: walls, obstacles, bodies and moving sides."""
     low, high = np.array(scene.tank.low), np.array(scene.tank.high)
     lines = _tank_lines(scene, low, high) + [_painted(_solid(one), one.color) for one in scene.obstacles]
     driven = [side for side in scene.sides if getattr(scene.tank, side).motion is not None]
@@ -169,20 +169,22 @@ def sph_stage(scene: Any, sample: Sequence[Frame]) -> Stage:
 
 
 def usual_quantity(scene: Any) -> str:
-    """The array that colors tanks in 2D at first."""
+    """The array that initially determines the colors of tanks in 2D."""
     return "species" if (name := usual_color(scene)) == "region" else name
 
 
 def _peak(scene: Any) -> str:
-    """The number that is shown with the kinetic energy: the largest pressure, where its single values do not depend on
-    the step.
+    """The number that is shown with the kinetic energy: the largest pressure, if its single values do not depend on the
+    time step.
     """
     splashes = not pressure_of(scene).compressible and free_surface(scene)
     return "largest_speed" if splashes else "largest_pressure"
 
 
 def _pressures(scene: Any) -> Callable[[Frame], Frame] | None:
-    """Adds the pressures that differ from the gauge pressure: the dynamic one under gravity, the absolute one."""
+    """A function that adds the pressures that differ from the gauge pressure: the dynamic one under gravity, the
+    absolute one.
+    """
     of_one = any(scene.gravity) and scene.second_liquid is None
     names = ["dynamic_pressure"] * of_one + ["absolute_pressure"] * (scene.liquid.atmospheric_pressure > 0)
     if not names:
@@ -206,7 +208,7 @@ def _regions(scene: Any) -> list[Species]:
 
 
 def _filled(scene: Any, low: Array, high: Array) -> Filled:
-    """The tank; beyond open sides the visible region, and the largest extent of moving sides."""
+    """The filled tank; beyond open sides the visible region, and the largest extent of moving sides."""
     corners = np.array([scene.tank.low, scene.tank.high], dtype=float)
     for number, side in enumerate(scene.sides):
         axis, end = number // 2, number % 2
@@ -247,7 +249,7 @@ def _tank_lines(scene: Any, low: Array, high: Array) -> list[Line | list[Line]]:
 
 
 def _solid(solid: Any) -> list[Line]:
-    """An obstacle; three circles for a ball in 3D."""
+    """The lines of an obstacle; for a ball in 3D three circles."""
     if is_ball(solid):
         return _ball(np.array(solid.center), solid.radius)
     if solid.vertices and len(solid.vertices[0]) == 2:
@@ -266,7 +268,7 @@ def _ball(middle: Array, radius: float) -> list[Line]:
 
 
 def _body(body: Any, name: str, frame: Frame) -> list[Array]:
-    """A body where it is; a round one with a spoke, so that its turning shows."""
+    """The lines of a body at its position; a round one has a spoke, so that its rotation is visible."""
     shape = shape_of(body)
     middle = np.array([frame.numbers[f"{name}_{axis}"] for axis in "xyz"[: len(shape.middle())]])
     if len(middle) == 2:
@@ -286,7 +288,7 @@ def _solid_of(shape: Any) -> list[Line]:
 
 
 def tracers_stage(scene: Any, sample: Sequence[Frame]) -> Stage:
-    """The tank, obstacles and openings."""
+    """The scenery of tracers: the tank, obstacles and openings."""
     places = np.concatenate([frame.arrays["position"] for frame in sample])
     tank, dimension = scene.tank, places.shape[1]
     lines = [_solid(one) for one in scene.obstacles]
@@ -318,7 +320,7 @@ CELLS = 110
 
 
 def floating_stage(scene: Any, sample: Sequence[Frame]) -> Stage:
-    """The dish and the liquid's surface in it."""
+    """The scenery of floats: the dish, and the surface of the liquid in it."""
     view = view_of(scene, sample)
     closest = min(float(frame.arrays["radius"].min()) for frame in sample)
     on = sheet(scene, view, cells=CELLS, closest=closest)
@@ -346,7 +348,8 @@ def floating_stage(scene: Any, sample: Sequence[Frame]) -> Stage:
 
 
 def _moving_outlines(scene: Any, shapes: Any) -> Any:
-    """The outlines of floats with a shape, or of what is behind a barrier, in a frame; None without any."""
+    """A function for the outlines of floats with a shape, or of the region behind a barrier, in a frame; None without any.
+    """
     if scene.dish is not None and scene.dish.barrier is not None:
         behind = partial(behind_barrier, scene.dish)
         return lambda frame: [closed(one) for one in behind(frame.numbers.get("barrier_position", 0.0))]
@@ -363,7 +366,7 @@ def _borders(scene: Any) -> list[Line]:
 
 
 def _marks(norm: Any, lowest: float, highest: float) -> tuple[tuple[float, float], list[tuple[float, str]]]:
-    """The part of a scale that occurs, the level included, and its ticks: both from 0 to 1."""
+    """The part of a color scale that occurs, including zero, and its ticks; both as positions from 0 to 1."""
 
     def place(height: float) -> float:
         return float(np.asarray(norm(np.array([height])))[0])
@@ -378,7 +381,7 @@ def closed(points: Array) -> Array:
 
 
 def soft_stage(scene: Any, sample: Sequence[Frame]) -> Stage:
-    """The periodic box, and contact forces."""
+    """The scenery of soft spheres: the periodic box, and contact forces."""
     low, high = reached(sample)
     box = box_of(sample[0])
     boxed = box is not None and box.closed
