@@ -5,7 +5,7 @@
     for frame in ecume.simulate(scene):
         print(frame.time, frame.numbers["kinetic_energy"])
 
-Each name is imported at its first use, so that `import ecume` costs nothing.
+Each name is imported at its first use, so that `import ecume` is fast.
 """
 
 from __future__ import annotations
@@ -97,7 +97,7 @@ _HOME_OF = {name: home for home, names in _HOMES.items() for name in names.split
 
 
 def __getattr__(name: str) -> Any:
-    """Import a public name from its home; `ecume.run` is the module with `run(scene, directory)`."""
+    """Import a public name from its module; `ecume.run` is the module with `run(scene, directory)`."""
     if name == "run":
         return importlib.import_module("ecume.run")
     if name not in _HOME_OF:
@@ -119,14 +119,14 @@ def _scene_of(plain: dict[str, Any]) -> Any:
 
 
 def _derived_arrays(scene: Any) -> Any:
-    """The arrays that follow from the recorded ones: the other pressures of a tank."""
+    """A function that adds the arrays that follow from the recorded ones: the other pressures of a tank."""
     if scene.model != "sph":
         return lambda frame: frame
     return importlib.import_module("ecume.analysis.pressures").with_pressures(scene)
 
 
 def _scenes_of_models(_: None) -> Any:
-    """The scenes of models that have no row in `SCENES`."""
+    """The scenes of models that are not in the table `SCENES`."""
     return importlib.import_module("ecume.models").SCENES_OF_MODELS
 
 

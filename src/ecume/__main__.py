@@ -1,4 +1,4 @@
-"""`python -m ecume`, and the `ecume` command."""
+"""The entry point of `python -m ecume` and of the command `ecume`."""
 
 from ecume.cli import main
 

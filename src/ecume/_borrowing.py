@@ -1,12 +1,12 @@
 """Compilation without reference counts for values that a function obtains from its arguments.
 
-Numba counts a reference to each array of a tuple whenever the tuple, or a field of it, gets a name, and counts it off
-when the name ends. Our functions take tuples of a hundred arrays: most of the code that Numba wrote was such counting,
-and the compiler spent a third of its time on writing it and on taking most of it out again.
+Numba increments a reference count for each array of a tuple when a variable is assigned the tuple or a field of it, and
+decrements the count when the variable ends. Arguments here are tuples of up to a hundred arrays: most of the generated
+code was such counting, and the compiler spent a third of its time on generating it and removing most of it again.
 
-None of it is needed. A caller keeps its arguments for as long as a call lasts, so that whatever a function takes out of
-them, or puts together from them alone, cannot end before the function does: it is *borrowed*. What a function returns
-or stores is counted as before, and so is whatever comes from anywhere else.
+This counting is not necessary. A caller keeps its arguments alive during a call. Values that a function extracts from
+its arguments, or combines only from these, therefore live at least as long as the function: they are *borrowed*. Values
+that a function returns or stores, and values of other origin, are counted as before.
 """
 
 from __future__ import annotations
@@ -22,8 +22,8 @@ from numba.core.typed_passes import BaseNativeLowering, NativeLowering
 
 
 def borrowed_variables(function: Any, kinds: Mapping[str, Any]) -> frozenset[str]:
-    """The variables of a function in Numba's representation that hold only what its arguments keep alive; `kinds` are
-    the types of variables.
+    """The variables of a function, in Numba's representation, whose values the arguments keep alive; `kinds` are the
+    types of variables.
     """
     sources: dict[str, list[list[str] | None]] = defaultdict(list)
     for block in function.blocks.values():
@@ -41,7 +41,7 @@ def borrowed_variables(function: Any, kinds: Mapping[str, Any]) -> frozenset[str
 
 
 def _taken_from(assignment: Any, kinds: Mapping[str, Any]) -> list[str] | None:
-    """The variables that must be borrowed for the value of an assignment to be so; None if it is not in any case."""
+    """The variables that must be borrowed so that the value of an assignment is; None if it never is."""
     value, kind = assignment.value, kinds[assignment.target.name]
     if isinstance(value, ir.Arg):
         return [] if kinds.get(f"arg.{value.name}") == kind else None
@@ -65,7 +65,7 @@ def _taken_from(assignment: Any, kinds: Mapping[str, Any]) -> list[str] | None:
 
 
 def _is_taken_out(expression: Any, kind: Any) -> bool:
-    """The value of the expression is an item, a field or a part of a tuple of this type."""
+    """Whether the expression is an item, a field or a part of a tuple of this type."""
     if not isinstance(kind, types.BaseTuple):
         return False
     return expression.op != "getattr" or expression.attr in getattr(kind, "fields", ())
@@ -85,7 +85,7 @@ class BorrowingLower(Lower):  # type: ignore[misc]  # Numba's types are skipped:
         super().init()
         self.borrowed = borrowed_variables(self.func_ir, self.fndesc.typemap) if self.generator_info is None else ()
         self.counted: dict[Any, bool] = {}
-        _ = self.context.nrt  # created while references are counted, since it is cached
+        _ = self.context.nrt  # set while reference counting is enabled, since the value is cached
 
     def lower_inst(self, inst: Any) -> None:
         """Write the code of one statement."""
@@ -129,7 +129,7 @@ class BorrowingLowering(BaseNativeLowering):  # type: ignore[misc]
 
 
 def borrowing(steps: PassManager) -> PassManager:
-    """The steps of a compilation, with this one in the place of Numba's."""
+    """The passes of a compilation, with Numba's lowering replaced by this one."""
     steps.passes = [(BorrowingLowering if step is NativeLowering else step, text) for step, text in steps.passes]
     steps.finalize()
     return steps

@@ -1,8 +1,7 @@
 """Storage of compiled code: one file per function, whose name contains a digest of everything that its code depends on
 (see `_dependencies`), so that an outdated file is never read.
 
-A package `ecume_compiled` beside this one, or where the other packages are, may bring such files along. It is read
-first and never written.
+An installed package `ecume_compiled` may contain such files. It is read first and never written.
 """
 
 from __future__ import annotations
@@ -44,11 +43,11 @@ def root() -> Path:
     asked = os.environ.get("ECUME_CACHE_DIR")
     try:
         place = (Path(asked) if asked else Path(platformdirs.user_cache_dir("ecume"))) / "compiled"
-    except RuntimeError:  # as for a user id of a container that no user has
+    except RuntimeError:  # for example a user id in a container without a user
         _warn("compiled code is not kept, since this user has no home folder. Set ECUME_CACHE_DIR to a folder")
         return _temporary()
     try:
-        # Private to the user, since code that is written there will be run.
+        # Private to the user, since code that is stored there will be executed.
         place.mkdir(parents=True, exist_ok=True, mode=0o700)
         if fault := open_to_others(place):
             _warn_of(place, fault)
@@ -62,8 +61,8 @@ def root() -> Path:
 
 
 def open_to_others(place: Path) -> str:
-    """Other users who can write into a folder; empty if only its owner can, which must be this user, or the
-    machine's administrator. Windows keeps a user's folders by other means than modes.
+    """Other users who can write into a folder; empty if only its owner can, who must be this user or the administrator
+    of the machine. On Windows, file modes do not describe this.
     """
     if not hasattr(os, "getuid"):
         return ""
@@ -71,7 +70,7 @@ def open_to_others(place: Path) -> str:
 
 
 def writable_for_others(status: os.stat_result) -> str:
-    """The same of a file or folder with this status."""
+    """Other users who can write to a file or folder with this status."""
     if not hasattr(os, "getuid"):
         return ""
     if status.st_uid not in (os.getuid(), 0):
@@ -98,11 +97,11 @@ def _temporary() -> Path:
 
 
 class DamagedError(ValueError):
-    """A file whose content differs from what was written."""
+    """A file whose content was changed after writing."""
 
 
 def read(name: str) -> bytes | None:
-    """The data stored under a name by a package of compiled code or by the user's processes, or None."""
+    """The data stored under a name, in a package of compiled code or by processes of this user; None if missing."""
     if name in shipped():
         folder, checksum = shipped()[name]
         with contextlib.suppress(OSError, DamagedError):
@@ -114,11 +113,11 @@ def read(name: str) -> bytes | None:
     try:
         with place.open("rb") as file:
             if writable_for_others(os.fstat(file.fileno())):
-                return None  # such a file is replaced: unpickling runs code
+                return None  # the file is replaced, not read, since unpickling executes code
             whole = file.read()
     except OSError:
         return None
-    with contextlib.suppress(OSError):  # belongs to another user
+    with contextlib.suppress(OSError):  # the file belongs to another user
         if time.time() - place.stat().st_mtime > DAY:
             os.utime(place)
     data = _checked(whole)
@@ -127,7 +126,7 @@ def read(name: str) -> bytes | None:
 
 
 def write(name: str, data: bytes) -> None:
-    """Store data under a name; a reader gets all of it or nothing."""
+    """Store data under a name; a reader sees either all data or none."""
     handle, beside = tempfile.mkstemp(dir=root(), prefix=name)
     try:
         with os.fdopen(handle, "wb") as file:
@@ -149,7 +148,7 @@ def _checked(whole: bytes) -> bytes:
 
 @cache
 def shipped() -> Mapping[str, tuple[Path, str]]:
-    """Names of files in packages of compiled code: the folder, and the checksum of the whole file."""
+    """The files in packages of compiled code by name: the folder, and the checksum of the whole file."""
     found: dict[str, tuple[Path, str]] = {}
     for above in {PACKAGE.parent: None, Path(sysconfig.get_path("purelib")): None}:
         with contextlib.suppress(OSError, ValueError, KeyError, AttributeError, TypeError):
@@ -165,7 +164,7 @@ def _prune(place: Path) -> None:
     try:
         if now - stamp.stat().st_mtime < DAY:
             return
-    except OSError:  # never pruned
+    except OSError:  # the folder was never pruned
         pass
     try:
         stamp.touch()

@@ -1,8 +1,8 @@
-"""Records of the neighbors of one particle, turned into columns: `_jit` compiles these functions with vector shuffles.
+"""Conversion of the records of the neighbors of a particle to columns, which `_jit` compiles with vector shuffles.
 
-A loop over neighbors that reads one number of each from scattered places waits for the processor's gathers. Here each
-neighbor is one record of eight numbers, which is loaded whole; as many records as a vector holds are transposed in
-registers, and the loop over neighbors reads columns, which lie side by side in the first cache.
+A loop over neighbors that reads single numbers from scattered positions is limited by the gather instructions of the
+processor. Here each neighbor has one record of eight numbers, which is loaded as a whole. As many records as a vector
+has elements are transposed in registers, and the loop over neighbors reads contiguous columns from the first cache.
 """
 
 from __future__ import annotations
@@ -26,10 +26,10 @@ def fill_columns(columns: Any, records: Any, neighbor: Any, begin: Any, count: A
 
 
 def column(columns: Any, k: Any) -> tuple[float, ...]:
-    """The first eight numbers of neighbor k; as Python's own, which are faster there."""
+    """The first eight numbers of neighbor k, as Python numbers, which are faster in Python."""
     return tuple(columns[:RECORD, int(k)].tolist())
 
 
 def further_column(columns: Any, k: Any) -> tuple[float, ...]:
-    """The next eight."""
+    """The next eight numbers of neighbor k."""
     return tuple(columns[RECORD:, int(k)].tolist())

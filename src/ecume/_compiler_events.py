@@ -1,4 +1,4 @@
-"""Whether Numba is compiling at this moment. Code that is read from the disk is not compiled."""
+"""Detection of running compilations by Numba. Loading code from the disk is not a compilation."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ COMPILE = "numba:compile"
 
 
 class CompilerWatch:
-    """The functions that Numba compiles and has compiled since `attach`."""
+    """The functions that Numba is compiling, and has compiled, since `attach`."""
 
     def __init__(self) -> None:
         self.count, self.depth = 0, 0
@@ -21,7 +21,7 @@ class CompilerWatch:
         return self.depth > 0
 
     def attach(self) -> None:
-        """Listen to Numba's compile events; without effect before Numba is imported, which this does not do."""
+        """Register for Numba's compile events, without importing Numba; no effect before Numba is imported."""
         if self._attached or "numba.core.dispatcher" not in sys.modules:
             return
         from numba.core import event

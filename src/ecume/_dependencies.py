@@ -1,15 +1,15 @@
 """Digests of everything that compiled code depends on, so that outdated code never runs and unchanged code is not
 compiled again.
 
-Compiled code contains what it calls, from whichever file. So its key is a digest of everything that a walk from the
-function on can reach: the bytecode of each function, and the values of the constants, the options of the decorators and
-the fields of the named tuples that its bytecode names. Comments, docstrings, lines and whatever else stands in the same
-file do not count.
+Compiled code contains all functions that it calls, from any file. Its key is therefore a digest of all objects that can
+be reached from the function: the bytecode of each function, the values of constants, the options of decorators and the
+fields of named tuples that its bytecode names. Comments, docstrings, line numbers and other content of the same file do
+not count.
 
-Where a function is chosen by the type of an argument, the choices that count are those for the types that the code can
-meet: the named tuples of its signature, and those that a function of the walk names. A table of laws thus adds only the
-rows that a scene uses. The walk takes in more than is compiled, such as branches for what is missing, but never less.
-Where it meets what it cannot describe, the text of the whole package counts.
+If a function is selected by the type of an argument, the alternatives that count are those for types that can occur:
+the named tuples of its signature, and those that a reached function names. A table of laws therefore contributes only
+the rows that a scene uses. The digest covers more than is compiled, such as branches for missing parts, but never less.
+If an object cannot be described, the digest is that of the text of the whole package.
 """
 
 from __future__ import annotations
@@ -39,7 +39,7 @@ UNKEPT = "OfThisProcess"
 
 
 class Choice(NamedTuple):
-    """The way in which a function that represents several alternatives selects one."""
+    """The way in which a function with several alternatives selects one."""
 
     by_class: Callable[[type], Any]
     argument: str
@@ -51,11 +51,11 @@ CHOICES: dict[Any, Choice] = {}
 
 
 class UnknownThingError(TypeError):
-    """Compiled code names something whose every change cannot be seen."""
+    """Compiled code names an object whose changes cannot all be detected."""
 
 
 class Description(NamedTuple):
-    """The description of an object, without the objects that it names; these are described separately."""
+    """The description of an object, without the objects that it names, which are described separately."""
 
     text: str
     named: tuple[Any, ...]
@@ -80,7 +80,7 @@ def text_of(options: Mapping[str, Any]) -> str:
 
 
 def exact_digest(function: Any) -> str | None:
-    """The digest of a user's function, or of a function around it, for any arguments; None if it names an object that
+    """The digest of a user function, or of a function around it, for any arguments; None if it names an object that
     cannot be described.
     """
     whole = hashlib.sha256()
@@ -140,7 +140,7 @@ def _chosen(point: Any, kind: type) -> Any:
     """The alternative for a class, or None without one."""
     try:
         return CHOICES[point].by_class(kind)
-    except Exception:  # a table without this row, or a class without the attribute that a choice reads
+    except Exception:  # a table without this row, or a class without the attribute that determines the choice
         return None
 
 
@@ -148,8 +148,8 @@ _descriptions: dict[int, tuple[Any, Description]] = {}
 
 
 def _described(one: Any) -> Description:
-    """The description of an object. Those of the package are made once per process, since the package must not change
-    while it runs; those of the user are made each time, since a session may change them between runs.
+    """The description of an object. Objects of the package are described once per process, since the package must not
+    change during a process; those of the user each time, since a session may change them between runs.
     """
     if id(one) in _descriptions:
         return _descriptions[id(one)][1]
@@ -162,13 +162,13 @@ def _described(one: Any) -> Description:
 
 
 def _dispatcher(one: Any, named: list[Any]) -> str:
-    """Decorated functions: the options, and the function."""
+    """The description of a decorated function: its options, and the function."""
     named.append(one.py_func)
     return f"{type(one).__name__} {_value(one.targetoptions, named)}"
 
 
 def _class(one: Any, named: list[Any]) -> str:
-    """Named tuples: the fields, in order, and their defaults."""
+    """The description of a named tuple: its fields in order, and their defaults."""
     defaults = [_value(one._field_defaults[name], named) for name in one._field_defaults]
     return f"class {one._fields} {tuple(one._field_defaults)} {defaults}"
 
@@ -184,7 +184,9 @@ def _function(one: FunctionType, named: list[Any]) -> str:
 
 
 def _words(code: CodeType) -> Iterator[str]:
-    """All that code may name: globals, attributes, attributes whose names are strings; functions inside included."""
+    """All names that code may use: globals, attributes, and attributes whose names are strings, including those of
+    inner functions.
+    """
     yield from code.co_names
     for constant in code.co_consts:
         if isinstance(constant, CodeType):
@@ -194,7 +196,7 @@ def _words(code: CodeType) -> Iterator[str]:
 
 
 def _code(code: CodeType, named: list[Any], documentation: str | None = None) -> str:
-    """Bytecode without its lines."""
+    """The bytecode without line numbers."""
     constants = list(code.co_consts)
     if constants and documentation is not None and constants[0] == documentation:
         constants[0] = None
@@ -205,7 +207,7 @@ def _code(code: CodeType, named: list[Any], documentation: str | None = None) ->
 
 
 def _value(value: Any, named: list[Any], words: frozenset[str] = frozenset()) -> str:
-    """The description of a value as text. Objects with separate descriptions are added to `named`; of a module, only
+    """The description of a value as text. Objects with separate descriptions are added to `named`; for a module, only
     the attributes in `words` count.
     """
     if value is None or value is Ellipsis or type(value) in (bool, int, str, bytes):
@@ -238,11 +240,11 @@ def _collection(value: Any, named: list[Any]) -> str:
 
 
 def _module(module: ModuleType, named: list[Any], words: frozenset[str]) -> str:
-    """Attributes that the code may read."""
+    """The description of the attributes of a module that the code may read."""
     if _of_library(module.__name__):
         return f"module {module.__name__}"
     inside = vars(module)
-    # In a module named by a module, the words without the name of the latter, so that the recursion ends.
+    # For a module in a module, the words without the name of the former, so that the recursion ends.
     rest = words - {module.__name__.rpartition(".")[2]}
     found = [f"{name} {_value(inside[name], named, rest - {name})}" for name in sorted(words & inside.keys())]
     return f"module {module.__name__} {found}"
@@ -265,7 +267,7 @@ def _thing(value: Any, named: list[Any]) -> str:
     if isinstance(value, type) and issubclass(value, enum.Enum):
         return f"{name} {[_value(member, named) for member in value]}"
     if isinstance(value, type) and (issubclass(value, BaseException) or is_dataclass(value)):
-        return name  # it is only raised, or compiled code cannot use it
+        return name  # it is an exception, or compiled code cannot use it
     if is_dataclass(value) and not isinstance(value, type) and value.__dataclass_params__.frozen:  # type: ignore[attr-defined]
         return f"{name} {[_value(getattr(value, field.name), named) for field in fields(value)]}"
     raise UnknownThingError(name)

@@ -1,6 +1,7 @@
 """Arithmetic with explicit rounding: `_jit` compiles these functions exactly as they are written.
 
-So a sum has the same bits in every loop that it is compiled into, however the compiler arranges that loop.
+A sum therefore has the same bits in every loop into which it is compiled, for any arrangement of the loop by the
+compiler.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
 """Hooks by which higher layers add functions to objects of lower layers.
 
-A frame shows itself in a notebook by a picture, and a trajectory knows its scene, but pictures and scenes stand in
-higher layers, which lower ones do not import. The top of the package registers here what to call.
+A frame has a picture in a notebook, and a trajectory has a scene, but the code for pictures and scenes is in higher
+layers, which lower ones do not import. The top of the package registers the functions to call.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ Found = TypeVar("Found")
 
 
 class Hook(Generic[Given, Found]):
-    """A function that is registered later, by a higher layer.
+    """A function that a higher layer registers later.
 
     >>> double: Hook[int, int] = Hook()
     >>> double.register(lambda number: 2 * number)
@@ -26,7 +26,7 @@ class Hook(Generic[Given, Found]):
         self._function: Callable[[Given], Found] | None = None
 
     def register(self, function: Callable[[Given], Found]) -> None:
-        """Call this function from now on."""
+        """Register the function to call."""
         self._function = function
 
     def __call__(self, given: Given) -> Found:

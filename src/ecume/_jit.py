@@ -1,8 +1,8 @@
-"""The interface to the compiler: decorators for compiled loops, which leave functions to Python where compilation is
-off.
+"""The interface to the compiler: decorators for compiled loops, which return the Python functions if compilation is
+disabled.
 
-With `_parts`, `_variants`, `_lowering` and `_borrowing` it is all that imports Numba, and with NUMBA_DISABLE_JIT=1
-nothing does.
+Only this file, `_parts`, `_variants`, `_lowering` and `_borrowing` import Numba, and with NUMBA_DISABLE_JIT=1 none
+does.
 """
 
 from __future__ import annotations
@@ -44,25 +44,25 @@ prange: Any = numba.prange if COMPILES else range
 
 
 def compiled(function: Function) -> Function:
-    """Compile at the first call, keep the result on disk. No fastmath: a NaN must be seen, and the bits must be the
-    same everywhere.
+    """Compile at the first call, and store the result on disk. Fastmath is disabled, since NaN must be detected, and
+    the bits must not depend on the caller.
     """
     return _dispatcher(function, cache=True)
 
 
 def compiled_inside(function: Function) -> Function:
-    """Compile a short function that inner loops call: its machine code is inlined, which saves reference counts."""
+    """Compile a short function for inner loops: its machine code is inlined, which avoids reference counts."""
     return _dispatcher(function, cache=True, forceinline=True)
 
 
 def summed_inside(function: Function) -> Function:
-    """The same for loops that are `summing`, with their arithmetic, for any caller."""
+    """Compile a short function for loops that are `summing`, with their arithmetic, for any caller."""
     return _dispatcher(function, cache=True, forceinline=True, fastmath=ANY_ORDER)
 
 
 def compiled_apart(*arrays: str) -> Callable[[Function], Function]:
-    """Compile a function of these arrays, such as "float64[:,:]", when it is first called: for long code that few runs
-    reach. It returns whether it succeeded; false counts as any failure.
+    """Compile a function of arrays with these types, such as "float64[:,:]", at its first call: for long code that few
+    runs reach. The function returns whether it succeeded; false includes any failure.
     """
 
     def decorate(function: Function) -> Function:
@@ -81,8 +81,8 @@ def threaded(function: Function) -> Function:
 
 
 def require_threads(particles: int = SEVERAL) -> None:
-    """Raise RuntimeError in a process that was forked after threads had started, for as many particles as need threads:
-    they do not exist there, and the library that waits for them ends the process, or waits for ever.
+    """Raise RuntimeError in a forked process in which the threads of its parent are missing, if this number of
+    particles requires threads: the library would end the process or wait forever.
     """
     if COMPILES and particles >= SEVERAL:
         require_own_threads()
@@ -94,7 +94,7 @@ def spread(function: Function) -> Function:
 
 
 def summing(function: Function) -> Function:
-    """The same; sums inside may be taken in any order, always the same one."""
+    """Compile a function in which sums may be reordered, always in the same way."""
     return _spread(function, {"fastmath": ANY_ORDER})
 
 
@@ -116,8 +116,8 @@ def shared(size: Callable[..., int]) -> Callable[[Function], Function]:
 
 
 def composed(function: Function) -> Function:
-    """A sequence of passes: compiled where few particles make it part of a whole, left to Python where there are many,
-    so that each pass may be spread over threads.
+    """A sequence of passes: compiled as a part of a larger function for few particles; executed by Python for many, so
+    that each pass may use threads.
     """
     made: Any = Composed(function) if COMPILES else function
     kept: Function = made
@@ -125,8 +125,8 @@ def composed(function: Function) -> Function:
 
 
 def where_there(default: Any = None) -> Callable[[Callable[..., Any]], Callable[..., Any]]:
-    """Compile a function of something that a scene may lack, its first argument: where that is an empty tuple, the
-    answer is `default`, and nothing of the function is compiled.
+    """Compile a function whose first argument is optional: if it is an empty tuple, the result is `default`, and no
+    code of the function is compiled.
     """
 
     def decorate(function: Callable[..., Any]) -> Callable[..., Any]:
@@ -142,7 +142,7 @@ def where_there(default: Any = None) -> Callable[[Callable[..., Any]], Callable[
             def version(subject: Any, *rest: Any) -> Any:
                 missing = isinstance(subject, types.BaseTuple) and len(subject) == 0
                 found = (lambda subject, *rest: default) if missing else (lambda subject, *rest: made(subject, *rest))
-                # Code of other processes is linked by names.
+                # Code is linked by names across processes.
                 found.__qualname__ = (
                     f"{function.__module__}.{function.__qualname__}.{'missing' if missing else 'there'}"
                 )
@@ -155,7 +155,7 @@ def where_there(default: Any = None) -> Callable[[Callable[..., Any]], Callable[
 
 def by_type(choice: Callable[[type], Callable[..., Any]], place: int = -1) -> Callable[..., Any]:
     """A function that dispatches on the type of one argument, a NamedTuple: it calls `choice(type)`. Compiled code
-    contains only the function that was chosen.
+    contains only the selected function.
     """
 
     def chosen(*arguments: Any) -> Any:
@@ -179,8 +179,8 @@ def by_type(choice: Callable[[type], Callable[..., Any]], place: int = -1) -> Ca
 
 
 def selected(rows: Mapping[type, Any], name: str, missing: int | None = None) -> Any:
-    """The function `name` of the row for the type of the first argument, a NamedTuple. Where the row has None, the
-    answer is `missing`, and nothing is compiled.
+    """The function `name` of the row for the type of the first argument, a NamedTuple. If the row has None, the result
+    is `missing`, and no code is compiled.
     """
     choice = _field_of(rows, name)
     if COMPILES:
@@ -196,8 +196,8 @@ def selected(rows: Mapping[type, Any], name: str, missing: int | None = None) ->
 
 
 def each_selected(rows: Mapping[type, Any], name: str) -> Callable[..., None]:
-    """A function of a tuple of parts, a tuple of as many workspaces, and further arguments, which calls for each part
-    in turn the function `name` of the row for its type, if it has one: function(part, workspace, *arguments).
+    """A function of a tuple of parts, a tuple of as many workspaces, and further arguments. For each part it calls the
+    function `name` of the row for the type of the part, if there is one: function(part, workspace, *arguments).
     """
     choice = _field_of(rows, name)
 
@@ -237,9 +237,9 @@ def _names(count: int) -> str:
 
 
 def _written(lines: list[str], count: int, found: dict[str, Any]) -> Any:
-    """A function with these lines and `count` arguments a0, a1, ...; the names that it calls are those of `found`.
+    """A function with these lines and `count` arguments a0, a1, ...; the names that it calls are those in `found`.
 
-    Its own name says what it is: code of other processes is linked by names.
+    Its name describes its content, since code is linked by names across processes.
     """
     calls = [f"{one.__module__}.{one.__qualname__}" for one in found.values()]
     name = f"written_{hashlib.sha256(repr((lines, calls)).encode()).hexdigest()[:16]}"
@@ -249,18 +249,18 @@ def _written(lines: list[str], count: int, found: dict[str, Any]) -> Any:
 
 
 def of_this_process(name: str, fields: Iterable[str]) -> Any:
-    """A NamedTuple class that exists in this process only: code compiled for it is not written to the disk cache."""
+    """A NamedTuple class that exists only in this process; code compiled for it is not written to the disk cache."""
     return collections.namedtuple(f"{UNKEPT}{name}", fields)
 
 
 def compiled_once(function: Function) -> Function:
-    """Compile for this process alone: for functions from the user, which no file of ecume can name."""
+    """Compile only for this process: for user functions, which no file of ecume can name."""
     return _dispatcher(function, cache=False)
 
 
 def inlined(function: Function) -> Function:
-    """A loop that takes functions: it is written out inside its caller, which names them and can be found in the
-    cache.
+    """A loop with functions as arguments: it is inlined in its caller, which names these functions and therefore can be
+    cached.
     """
     made: Function = numba.njit(inline="always", error_model="numpy")(function) if COMPILES else function
     return made
@@ -280,13 +280,13 @@ def selection(
     With `takes`, a function `name(*takes, code)` for all other loops: each argument of a law is one of these, by its
     name, or a field of the last of them.
 
-    It is made from a table of laws, as source text with one branch for each row, so that no branch can be forgotten
-    (`dataclasses` make `__init__` in the same way). A law that is passed as an argument or caught in a closure would be
-    compiled again in each process; a function with the laws as its globals is cached on the disk like any other.
+    It is generated from a table of laws, as source text with one branch for each row, so that no branch can be missing
+    (`dataclasses` generate `__init__` in the same way). A law that is passed as an argument or captured in a closure
+    would be compiled again in each process; a function with the laws as its globals is cached on disk like any other.
     `module` and `file` are those of the caller. The table must not change while the program runs.
 
-    The last branch has no test of the code, since one more branch makes the compiler arrange each loop in another way,
-    which rounds its sums differently: the caller refuses unknown codes before a loop begins.
+    The last branch does not test the code, since another branch would change the arrangement of loops by the compiler
+    and the rounding of their sums. The caller must refuse unknown codes before a loop starts.
     """
     found: dict[str, Any] = {"__name__": module}
     given = ", ".join(takes or "x")
@@ -302,7 +302,7 @@ def selection(
 
 
 def _given_to(law: Callable[..., Any], takes: tuple[str, ...]) -> str:
-    """The arguments of a law, as text: one of a selection's arguments each, or a field of the last of them."""
+    """The arguments of a law as text: each is an argument of the selection, or a field of its last argument."""
     if not takes:
         return "x"
     names = inspect.signature(law).parameters
@@ -310,11 +310,10 @@ def _given_to(law: Callable[..., Any], takes: tuple[str, ...]) -> str:
 
 
 def admit(*modules: ModuleType) -> None:
-    """Make the plain functions of these modules callable from compiled code, without a dependence
-    of the laws on Numba.
+    """Make the plain functions of these modules callable from compiled code, without making the laws depend on Numba.
 
-    Called with numbers in single precision only, a law has its constants in single precision, too: one literal would
-    make the whole loop double.
+    If all arguments are in single precision, the constants of a law are in single precision as well: a single literal
+    would make the whole loop double.
     """
     if not COMPILES:
         return
@@ -332,7 +331,7 @@ def _admit_law(law: FunctionType) -> None:
 
 
 def in_single(law: FunctionType) -> FunctionType:
-    """The law with single-precision constants, its own and those of its module."""
+    """The law with single-precision constants, including those of its module."""
     code = law.__code__.replace(co_consts=tuple(map(_single, law.__code__.co_consts)))
     names = {name: _single(value) for name, value in law.__globals__.items()}
     defaults = tuple(map(_single, law.__defaults__ or ()))
@@ -344,8 +343,8 @@ def _single(value: Any) -> Any:
 
 
 def use_threads(count: int | None) -> int:
-    """Use that many threads from now on; all of the machine's when None. The result does not depend on it. Plain Python
-    uses one.
+    """Use this number of threads from now on; None for all of the machine. The result does not depend on it. Plain
+    Python uses a single thread.
     """
     if not COMPILES:
         return 1

@@ -21,8 +21,8 @@ from ecume._parts import overload
 @lower_builtin(math.sqrt, types.float32)  # type: ignore[untyped-decorator]
 @lower_builtin(math.sqrt, types.float64)  # type: ignore[untyped-decorator]
 def _square_root(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
-    """Numba calls the C library for `math.sqrt`, which keeps a loop from vectorizing; the processor's own gives the
-    same bits.
+    """Generate the square-root instruction of the processor: Numba calls the C library for `math.sqrt`, which has the
+    same bits but prevents vectorization.
     """
     intrinsic = builder.module.declare_intrinsic("llvm.sqrt", [arguments[0].type])
     return builder.call(intrinsic, arguments)
@@ -77,8 +77,8 @@ def _type_fill_columns(context: Any) -> Callable[..., Any]:
 
 @lower_builtin(fill_columns, types.Array, types.Array, types.Array, types.Integer, types.Integer, types.Integer)  # type: ignore[untyped-decorator]
 def _fill_columns(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
-    """Blocks of neighbors, as many as numbers fit into a vector of this processor: whole records are loaded, and
-    transposed in log2(block) rounds of exchanges between pairs of vectors.
+    """Generate the transposition of blocks of neighbors, as many as a vector of this processor has elements: whole
+    records are loaded, and transposed in log2(block) rounds of exchanges between pairs of vectors.
     """
     kind = context.get_data_type(signature.args[0].dtype)
     columns, records, neighbor = (
@@ -147,5 +147,5 @@ def _transposed(builder: Any, vectors: list[Any]) -> list[Any]:
 
 
 def _vector_bytes(context: Any) -> int:
-    """The width of the vectors that are transposed: with AVX-512, too, blocks of 32 bytes are a little faster."""
+    """The width of the vectors that are transposed; also with AVX-512, blocks of 32 bytes are slightly faster."""
     return 32 if context.codegen().magic_tuple()[1] in {"x86-64-v3", "x86-64-v4"} else 16

@@ -1,15 +1,15 @@
 """The units of compiled code and their storage on disk.
 
-Numba's disk cache has five traps, all closed by the cache here. It hashes only the file of the function itself, so that
-an edited law in another file silently gives the old result: files are named by all that goes into the code (see
-`_dependencies`). A truncated cache file raises from inside the unpickler: it is compiled again. A folder that cannot be
-written is an error at import: a temporary folder stands in. A function loaded from it may call threads that have not
-been started: they are started before anything is loaded. Two processes that add to one index lose an entry: there is no
-index.
+Numba's disk cache has five defects, which this cache avoids. (1) It hashes only the file of the function itself, so
+that after a change of a law in another file the old result is used; here the names of files depend on all code that
+they contain (see `_dependencies`). (2) A truncated cache file raises an exception in the unpickler; here the function
+is compiled again. (3) A folder without write permission is an error at import; here it is replaced by a temporary
+folder. (4) A function that is loaded from the cache may call threads that have not been started; here they are started
+before loading. (5) Two processes that write to one index may lose an entry; here there is no index.
 
-Code is compiled for one of two levels of the x86-64 instruction set instead of for the processor at hand: version 4
-(with AVX-512) where there is one, else version 3 (AVX2 and fused multiply-adds). All processors of a level then run the
-same instructions, so that results do not depend on the model of the processor, at the same speed.
+Code is compiled for one of two levels of the x86-64 instruction set instead of the present processor: version 4 (with
+AVX-512) if supported, otherwise version 3 (AVX2 and fused multiply-adds). All processors of a level then run the same
+instructions, so that results do not depend on the model of the processor, at the same speed.
 """
 
 from __future__ import annotations
@@ -58,7 +58,7 @@ def instruction_set(features: Mapping[str, bool]) -> str | None:
 
 
 def compile_for_levels() -> None:
-    """Have Numba compile for a level of the instruction set, unless NUMBA_CPU_NAME names a processor."""
+    """Make Numba compile for a level of the instruction set, unless NUMBA_CPU_NAME names a processor."""
     if config.CPU_NAME is None and config.CPU_FEATURES is None:
         level = instruction_set(llvmlite.binding.get_host_cpu_features())
         if level is not None:
@@ -99,7 +99,7 @@ class DiskCache:
 
     @property
     def cache_path(self) -> str:
-        """The user's folder."""
+        """The cache folder of the user."""
         return str(_cache.root())
 
     def flush(self) -> None:
@@ -111,7 +111,7 @@ class DiskCache:
         """
         kinds = getattr(signature, "args", signature)
         text = str(kinds)
-        if UNKEPT in text or " at 0x" in text:  # Numba names functions among the arguments by their addresses
+        if UNKEPT in text or " at 0x" in text:  # Numba describes functions among the arguments by their addresses
             return None
         classes = list(named_tuples(kinds))
         names = [f"{one.__module__}.{one.__qualname__}" for one in classes]
@@ -120,7 +120,7 @@ class DiskCache:
         return f"{self._name}-{key}{_cache.SUFFIX}"
 
     def load_overload(self, signature: Any, target: Any) -> Any:
-        """The result of an earlier compilation."""
+        """The result of an earlier compilation; None if missing."""
         target.refresh()
         name = self.file_name(signature, target.codegen())
         if name is None:
@@ -136,7 +136,7 @@ class DiskCache:
             return None
 
     def save_overload(self, signature: Any, result: Any) -> None:
-        """Keep the result of a compilation."""
+        """Store the result of a compilation."""
         name = self.file_name(signature, result.codegen)
         if name is None or result.lifted or result.library.has_dynamic_globals:
             return
@@ -147,13 +147,13 @@ class DiskCache:
 
     def reduced(self, result: Any) -> Any:
         """The data to store: the machine code of a whole, and the names in the library that Numba keeps for later
-        linking, which never happens.
+        linking, which is never done.
         """
         (name, form, (code, bitcode)), *rest = result._reduce()
         return (name, form, (code, names_alone(llvmlite.binding.parse_bitcode(bitcode)))), *rest
 
     def rebuilt(self, target: Any, stored: Any) -> Any:
-        """The result that was stored."""
+        """The result of a compilation, from stored data."""
         return CompileResult._rebuild(target, *stored)
 
 
@@ -171,21 +171,23 @@ def _hash_of_type(options: Any) -> int:
     return hash(type(options))
 
 
-# Numba hashes options by their names, which are those of the class, and looks them all up each time: one second in
-# twenty of a compilation.
+# Numba hashes options by their names, which are those of the class, and looks up all of them each time, which took one
+# twentieth of the compilation time.
 TargetConfig.__hash__ = _hash_of_type
 
 
-# Numba optimizes and emits every function again inside each of its direct and indirect callers: with calls nested eight
-# deep most of a compilation was repeated work. Here a called function is a part: typed and lowered once, and optimized
-# only in the function that Python calls.
+# Numba optimizes and emits every function again in each of its direct and indirect callers: for calls nested eight
+# deep, most of a compilation was repeated work. Here a called function is a part: it is typed and lowered once, and
+# optimized only in the function that Python calls.
 
 
 class WholeLibrary(JITCodeLibrary):  # type: ignore[misc]  # Numba's types are skipped: they are incomplete
-    """Code that Python runs."""
+    """A library of code that Python runs."""
 
     def _optimize_functions(self, module: Any) -> None:
-        """Optimize each function; Numba would make as much effort for those that are only declared."""
+        """Optimize each function that is defined here; Numba would spend the same time on functions that are only
+        declared.
+        """
         module.data_layout = self._codegen._data_layout
         for function in module.functions:
             if not function.is_declaration:
@@ -203,7 +205,7 @@ class PartLibrary(JITCodeLibrary):  # type: ignore[misc]
         pass
 
     def _finalize_final_module(self) -> None:
-        # Parts are not searched for addresses of this process, with which code cannot be stored: most vanish by
+        # Parts are not searched for addresses of this process, which prevent storing code: most of them vanish by
         # optimization, and the optimized function is searched for the others.
         self._finalized = True
 
@@ -214,16 +216,16 @@ class PartLibrary(JITCodeLibrary):  # type: ignore[misc]
 
     @property
     def codegen(self) -> Any:
-        """Receives the address of the environment, and that of a part's in the wholes."""
+        """An object that accepts and ignores the address of the environment, and in wholes those of parts."""
         return Nowhere
 
     def serialize_using_object_code(self) -> Any:
-        """There is no object code."""
+        """Return nothing, since a part has no object code."""
         return self.serialize_using_bitcode()
 
 
 class Nowhere:
-    """Takes no environment."""
+    """An object that ignores environments."""
 
     @staticmethod
     def set_env(name: str, environment: Any) -> None:
@@ -234,12 +236,12 @@ class Borrowing(Compiler):  # type: ignore[misc]
     """A compiler that does not count references to values that the arguments keep alive."""
 
     def define_pipelines(self) -> list[PassManager]:
-        """The steps."""
+        """The passes of the compilation."""
         return [borrowing(steps) for steps in super().define_pipelines()]
 
 
 class Part(Borrowing):
-    """Compiles for compiled code."""
+    """A compiler of functions that only compiled code calls."""
 
     def __init__(self, typing: Any, target: Any, library: Any, *rest: Any) -> None:
         super().__init__(typing, target, library or PartLibrary(target.codegen(), "part"), *rest)
@@ -247,7 +249,7 @@ class Part(Borrowing):
 
 @contextlib.contextmanager
 def libraries_are_parts(codegen: Any) -> Iterator[None]:
-    """A block in which every new code library is a part."""
+    """A context in which every new code library is a part."""
     kept, codegen._library_class = codegen._library_class, PartLibrary
     try:
         yield
@@ -256,11 +258,12 @@ def libraries_are_parts(codegen: Any) -> Iterator[None]:
 
 
 class Whole(Borrowing):
-    """Compiles for Python, all parts included.
+    """A compiler of functions that Python calls, including all parts.
 
-    The bodies of threaded loops are parts too. Numba would optimize and emit each of them by itself, and again inside
-    the whole, under one name; the linker then runs the first one in the process that compiles and the second one in
-    processes that read the disk. Where sums may be reordered, these two differ in their last bits.
+    The bodies of threaded loops are parts as well. Numba would optimize and emit each of them separately, and again
+    inside the whole, with the same name. The linker would then use the first version in the compiling process and the
+    second one in processes that load the code from disk. If sums may be reordered, the two versions differ in the last
+    bits.
     """
 
     def __init__(self, typing: Any, target: Any, library: Any, *rest: Any) -> None:
@@ -270,7 +273,7 @@ class Whole(Borrowing):
         super().__init__(typing, target, library, *rest)
 
     def compile_extra(self, function: Any) -> Any:
-        """Compile the function with everything it calls; the parts get their environments."""
+        """Compile the function with all functions that it calls, and pass environments to the parts."""
         with libraries_are_parts(self.state.targetctx.codegen()):
             result = super().compile_extra(function)
         for environment in result._find_referenced_environments():
@@ -279,12 +282,12 @@ class Whole(Borrowing):
 
 
 class PartCache(DiskCache):
-    """The disk cache of parts: a whole made later, such as time steps with a user's laws, finds them there."""
+    """The disk cache of parts, in which wholes that are made later, such as time steps with user laws, find them."""
 
     kind = "part"
 
     def reduced(self, result: Any) -> Any:
-        """The data to store: code to be linked."""
+        """The data to store: code for linking."""
         return result._reduce()
 
     def rebuilt(self, target: Any, stored: Any) -> Any:
@@ -313,7 +316,7 @@ def overload(function: Any, **options: Any) -> Callable[[Callable[..., Any]], An
 
 
 class Dispatcher(CPUDispatcher):  # type: ignore[misc]
-    """A compiled function: a whole where Python calls it, a part where compiled code does."""
+    """A compiled function: a whole if Python calls it, a part if compiled code does."""
 
     def __init__(self, function: FunctionType, options: dict[str, Any], cache: bool) -> None:
         own, inside = {**WHOLE, **options}, {**PART, **EXACT, **options}

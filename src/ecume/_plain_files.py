@@ -1,9 +1,10 @@
 """Safe access to regular files, also in folders that other users may have written.
 
-A run directory may contain symbolic links, hard links, named pipes and devices. `require_plain` refuses all but plain
-files and folders. `opened` and `Place` open one component of a path after the other, each relative to the descriptor of
-its folder, and follow no link; a file with a second name is not opened for writing. Where the system has no such calls
-(Windows), each component is examined before it is opened, and the file is compared with the one examined.
+A run directory may contain symbolic links, hard links, named pipes and devices. `require_plain` refuses everything
+except plain files and folders. `opened` and `Place` open the components of a path one after the other, relative to the
+descriptor of the folder, and do not follow links; a file with several hard links is not opened for writing. On Windows,
+which has no such calls, each component is examined before it is opened, and the opened file is compared with the
+examined one.
 """
 
 from __future__ import annotations
@@ -66,7 +67,7 @@ def require_plain(root: Path) -> None:
 def _require_plain_file(path: Path) -> None:
     try:
         found = os.lstat(path)
-    except FileNotFoundError:  # removed meanwhile by the process that writes the run
+    except FileNotFoundError:  # removed in the meantime by the process that writes the run
         return
     if not stat.S_ISREG(found.st_mode):
         raise NotPlain(path, _kind(found))
@@ -88,7 +89,7 @@ def _kind(found: os.stat_result) -> str:
 
 
 class Place(NamedTuple):
-    """A file name in an open folder. Operations apply to this folder even if its path changes meanwhile."""
+    """A file name in an open folder. Operations apply to this folder even if its path changes in the meantime."""
 
     folder: Path
     name: str
@@ -129,7 +130,7 @@ class Place(NamedTuple):
     def unlink(self) -> None:
         """Remove the file if it exists."""
         with contextlib.suppress(FileNotFoundError):
-            os.unlink(self._named, dir_fd=self.descriptor)  # relative to a folder
+            os.unlink(self._named, dir_fd=self.descriptor)  # relative to the open folder
 
     def take(self, other: Place) -> None:
         """Replace this file by another one of the same folder."""
@@ -139,7 +140,7 @@ class Place(NamedTuple):
             os.rename(other.name, self.name, src_dir_fd=self.descriptor, dst_dir_fd=self.descriptor)
 
     def settle(self) -> None:
-        """Flush the folder to disk. Windows opens no folders and needs no flush."""
+        """Flush the folder to disk. On Windows folders cannot be opened and need no flush."""
         if self.descriptor is not None:
             os.fsync(self.descriptor)
 
@@ -150,7 +151,9 @@ class Place(NamedTuple):
 
 @contextlib.contextmanager
 def place_of(path: Path, root: Path | None = None) -> Iterator[Place]:
-    """The place of a file. Below `root` no component may be a link; without it, links are followed."""
+    """A context with the place of a file. Below `root` no component may be a link; without `root`, links are
+    followed.
+    """
     parts = path.parts[-1:] if root is None else path.relative_to(root).parts
     folder = path.parent if root is None else root
     if ".." in parts or not parts:
@@ -173,7 +176,7 @@ def place_of(path: Path, root: Path | None = None) -> Iterator[Place]:
 
 
 def _entered(handle: int, part: str, folder: Path) -> int:
-    """The descriptor of a folder in a folder, whose own is closed."""
+    """The descriptor of a folder in an open folder, whose descriptor is closed."""
     found = os.stat(part, dir_fd=handle, follow_symlinks=False)
     if not stat.S_ISDIR(found.st_mode):
         raise NotPlain(folder, "is no folder; expected one. Remove it, or do not use what contains it")
@@ -183,7 +186,7 @@ def _entered(handle: int, part: str, folder: Path) -> int:
 
 
 def opened(path: Path, mode: str, root: Path | None = None) -> FileIO:
-    """A plain file, open without a buffer; modes as in `FLAGS`. Below `root` no link is followed."""
+    """A plain file, opened without a buffer; modes as in `FLAGS`. Below `root`, links are not followed."""
     with place_of(path, root) as place:
         return place.open(mode)
 
@@ -196,7 +199,7 @@ def append(file: FileIO, content: bytes) -> None:
         while left:
             left = left[file.write(left) :]
     except OSError:
-        with contextlib.suppress(OSError):  # the file is refused in any case
+        with contextlib.suppress(OSError):  # the file is refused in either case
             os.ftruncate(file.fileno(), before)
         raise
 
@@ -218,7 +221,7 @@ def content_of(path: Path, most: int, root: Path | None = None) -> bytes:
 
 
 def require_memory(size: int, path: Path) -> None:
-    """Raise NotPlain if a file announces more bytes than the machine has memory for."""
+    """Raise NotPlain if a file states more bytes than the machine has memory for."""
     if size <= ENOUGH:
         return
     total = memory_limit()
@@ -252,7 +255,7 @@ def _group_limits() -> Iterator[int]:
             for kind in {"", "memory"} & set(controllers.split(",")):
                 root, name = GROUP_LIMITS[kind]
                 group = Path(place.lstrip("/"))
-                # In a container the path of the group may not be mounted: the root is then that of the group.
+                # In a container the path of the group may not be mounted; the root of the mount is then the group.
                 for folder in (group, *group.parents):
                     with contextlib.suppress(OSError, ValueError):
                         yield int((root / folder / name).read_text())
@@ -269,8 +272,8 @@ def _address_space() -> Iterator[int]:
 
 
 def read_at(file: FileIO, start: int, count: int) -> bytes:
-    """Read a number of bytes at an offset, fewer at the end of the file. Threads may read one file at the same time,
-    since the file position is not used where the system allows it.
+    """A number of bytes at an offset, or fewer at the end of the file. Threads may read one file at the same time,
+    since the file position is not used if the system supports this.
     """
     if not hasattr(os, "pread"):
         with _ONE_AT_A_TIME:

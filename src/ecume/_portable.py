@@ -1,8 +1,8 @@
 """Arithmetic of arrays whose rounding does not depend on the processor.
 
-NumPy's elementary functions and BLAS choose among several versions of themselves by the processor's instructions, and
-these differ in the last bit. What enters the state of a run, or its frames, uses the functions of this file instead:
-elementary functions call the C library for each number, and products of small matrices add in a stated order.
+NumPy's elementary functions and BLAS have several versions for different processors, which differ in the last bit.
+Values in the state of a run, or in its frames, are computed with the functions of this file instead: elementary
+functions call the C library for each number, and products of small matrices add in a fixed order.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ def _elementwise(function: Callable[[float], float]) -> Callable[[ArrayLike], An
         if given.ndim == 0:
             return function(float(given))
         flat, found = given.ravel(), np.empty(given.size)
-        for begin in range(0, given.size, BLOCK):  # lists of floats take four times the memory
+        for begin in range(0, given.size, BLOCK):  # in blocks, since lists of floats take four times the memory
             found[begin : begin + BLOCK] = [function(value) for value in flat[begin : begin + BLOCK].tolist()]
         return found.reshape(given.shape)
 
@@ -82,8 +82,8 @@ def sinc(values: ArrayLike) -> Any:
 
 
 def product(matrix: ArrayLike, vectors: ArrayLike) -> NDArray[np.float64]:
-    """`matrix @ vectors` for a short inner axis, added from the first to the last: (m, k) times (k, n) or (k,), or (k,)
-    times (k, n).
+    """The product `matrix @ vectors` for a short inner axis, added from the first to the last element: (m, k) times (k,
+    n) or (k,), or (k,) times (k, n).
 
     >>> product([[1.0, 2.0], [3.0, 4.0]], [1.0, 10.0]).tolist()
     [21.0, 43.0]
@@ -117,7 +117,7 @@ def length(vector: ArrayLike) -> float:
 
 
 def phase_factor(angles: ArrayLike) -> NDArray[np.complex128]:
-    """exp(i angle) of each angle (rad).
+    """The complex number exp(i angle) of each angle (rad).
 
     >>> phase_factor([0.0]).tolist()
     [(1+0j)]

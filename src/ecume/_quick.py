@@ -1,7 +1,7 @@
-"""The small size of scripts: `--quick`.
+"""The small size of scripts, option `--quick`.
 
-Benchmarks, figures and studies take minutes. With `--quick` each takes seconds: then nothing that it prints or draws
-means anything but that it runs. What would go into the repository goes into a folder that is removed.
+Benchmarks, figures and studies take minutes. With `--quick` each takes seconds, and tests only that the script runs;
+its numbers and figures are meaningless. Output for the repository then goes to a temporary folder.
 """
 
 from __future__ import annotations

@@ -9,9 +9,9 @@ Row = TypeVar("Row", bound=Any)
 
 
 def by_constants(rows: Iterable[Row], chosen: frozenset[str]) -> dict[type, Row]:
-    """The rows by the type of their constants, the field `constants`. Rows may share a type if they differ only in the
-    fields `chosen`, which are read from the row that a scene chooses. Raises TypeError if they differ in others, since
-    a scene that chooses one row would then run the functions of the other one.
+    """The rows by the type of their constants, the field `constants`. Rows may have the same type if they differ only
+    in the fields `chosen`, which are read from the row that a scene chooses. Raises TypeError if they differ in other
+    fields, since a scene with one row would then run the functions of the other.
     """
     found: dict[type, Row] = {}
     for row in rows:

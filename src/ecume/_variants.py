@@ -1,5 +1,5 @@
-"""Dispatchers that stand for more than one compiled function: for versions with and without threads, for a sequence of
-passes, and for the rows of a table.
+"""Dispatchers that represent several compiled functions: versions with and without threads, sequences of passes, and
+the rows of a table.
 """
 
 from __future__ import annotations
@@ -24,8 +24,8 @@ from numba.core.typing.templates import AbstractTemplate
 
 from ecume._parts import Dispatcher
 
-# Threads that wait for their next loop by spinning slow down other processes on this machine, and are slowed by them
-# themselves: on a busy machine loops over a few thousand particles took five times as long. Read when they start.
+# Threads that wait for their next loop by spinning slow down other processes on this machine, and themselves: on a busy
+# machine, loops over several thousand particles took five times as long. The variable is read when threads start.
 os.environ.setdefault("OMP_WAIT_POLICY", "PASSIVE")
 
 _FORKED: list[int] = []
@@ -44,8 +44,8 @@ if hasattr(os, "register_at_fork"):
 
 
 def require_own_threads() -> None:
-    """Raise RuntimeError in a process that was forked after threads had started: there they do not exist, and the
-    library that waits for them ends the process, or waits for ever.
+    """Raise RuntimeError in a forked process in which the threads of its parent are missing: the library that waits for
+    them would end the process or wait forever.
     """
     if _FORKED:
         raise RuntimeError(
@@ -63,16 +63,16 @@ class Threaded(Dispatcher):
         super().__init__(function, {"parallel": True}, cache=True)
 
     def __call__(self, *arguments: Any) -> Any:
-        """Run the version without threads on small systems, otherwise the one with threads."""
+        """Run the version without threads for small systems, otherwise the one with threads."""
         require_own_threads()
         return super().__call__(*arguments)
 
 
 class Spread:
-    """A loop that Python calls, compiled twice: for threads, and for systems too small for them.
+    """A loop that Python calls, compiled twice: with threads, and without for small systems.
 
-    The last axis of the first argument is the size of the system, so that the choice, and with it the order of sums,
-    does not depend on how many threads there are.
+    The last axis of the first argument is the size of the system, so that the choice, and the order of sums, do not
+    depend on the number of threads.
     """
 
     def __init__(self, function: Any, options: dict[str, Any], few: int) -> None:
@@ -82,7 +82,7 @@ class Spread:
         self.__doc__, self.__name__ = function.__doc__, function.__name__
 
     def __call__(self, array: Any, *arguments: Any) -> Any:
-        """Run the version without threads on small systems, otherwise the one with threads."""
+        """Run the version without threads for small systems, otherwise the one with threads."""
         if array.shape[-1] < self.few:
             return self.alone(array, *arguments)
         require_own_threads()
@@ -95,7 +95,7 @@ PLAIN_LOOPS = dict.fromkeys(OTHERS, False)
 
 
 class Shared(Dispatcher):
-    """A pass with `prange` that compiled code calls without threads, and Python with threads if the system is large."""
+    """A pass with `prange` that compiled code calls without threads, and Python with threads for large systems."""
 
     def __init__(self, function: Any, size: Callable[..., int], few: int) -> None:
         super().__init__(function, {}, cache=True)
@@ -103,7 +103,7 @@ class Shared(Dispatcher):
         self.together = Dispatcher(function, {"parallel": PLAIN_LOOPS}, cache=True)
 
     def __call__(self, *arguments: Any) -> Any:
-        """Run the one or the other."""
+        """Run the version that suits the size of the system."""
         if self.size(*arguments) < self.few:
             return super().__call__(*arguments)
         require_own_threads()
@@ -111,7 +111,7 @@ class Shared(Dispatcher):
 
 
 class Apart(Dispatcher):
-    """A function that is compiled at its first call from compiled code, which reaches it through Python. Arrays are
+    """A function that is compiled at its first call from compiled code, which calls it through Python. Arrays are
     passed as addresses and shapes. It is linked by its name, which LLVM knows once the module is imported, so that code
     from the disk finds it.
     """
@@ -126,12 +126,12 @@ class Apart(Dispatcher):
         self.part = Dispatcher(packing(function, self.kinds, enter), {}, cache=True).part
 
     def enter(self, address: int) -> int:
-        """Run the function with the arrays that are described there."""
+        """Run the function with the arrays that are described at this address."""
         numbers = iter(as_array(address, "int64", (sum(1 + axes for _, axes in self.kinds),)).tolist())
         arrays = [as_array(next(numbers), kind, tuple(islice(numbers, axes))) for kind, axes in self.kinds]
         try:
             return int(self(*arrays))
-        except KeyboardInterrupt:  # which compiled code cannot raise
+        except KeyboardInterrupt:  # an exception that compiled code cannot raise
             threading.Timer(0.05, _thread.interrupt_main).start()
             return 0
 
@@ -146,7 +146,9 @@ def as_array(address: int, kind: str, shape: tuple[int, ...]) -> Any:
 
 
 def packing(function: Any, kinds: list[tuple[str, int]], enter: Any) -> Any:
-    """A function of the same arrays, which writes their addresses and shapes into one, and enters with it."""
+    """A function with the same arguments, which writes their addresses and shapes into one array and calls `enter` with
+    it.
+    """
     numbers = [f"a{k}.{what}" for k, (_, axes) in enumerate(kinds) for what in ("ctypes.data", *_sizes(axes))]
     text = [f"def packed({', '.join(f'a{k}' for k in range(len(kinds)))}):"]
     text += [f"given = empty({len(numbers)}, int64)", *(f"given[{k}] = {one}" for k, one in enumerate(numbers))]
@@ -177,9 +179,9 @@ class Composed(Dispatcher):
 
 
 class Selected(Dispatcher):
-    """Stands for one of several compiled functions, by the type of its first argument. Compiled code calls the chosen
-    function itself: a function in between would hand on hundreds of arrays, which takes long to compile. Where None is
-    chosen, the call is the constant `missing`.
+    """A function that represents several compiled functions, selected by the type of the first argument. Compiled code
+    calls the selected function directly: a function in between would pass hundreds of arrays, which takes long to
+    compile. If None is selected, the call is the constant `missing`.
     """
 
     def __init__(self, choice: Callable[[type], Any], missing: int | None) -> None:

@@ -1,4 +1,4 @@
-"""The papers behind a scene: those that the laws it uses name in their docstrings, as BibTeX.
+"""The papers of a scene as BibTeX: those in the docstrings of its laws.
 
 >>> from ecume.scenes.templates import folder
 >>> from ecume.scenes.load import load_scene
@@ -33,7 +33,7 @@ def papers_of(scene: Scene) -> list[str]:
     try:
         laws = model.laws(scene)
     except KeyError:
-        model.parameters(scene)  # raises an error for a name without a law
+        model.parameters(scene)  # raises an error for an unknown name
         raise
     found = [key for law in laws for key in cited(inspect.getdoc(law) or "")]
     return [key for key in dict.fromkeys(found) if key in bibliography()]
@@ -49,7 +49,7 @@ def cited(text: str) -> list[str]:
 
 
 def software() -> str:
-    """The entry of ecume itself, in the version that runs."""
+    """The entry of ecume itself, with the present version."""
     fields = {
         "author": "{The ecume developers}",
         "title": "ecume: particles on, in and between liquids",
@@ -62,7 +62,7 @@ def software() -> str:
 
 
 def bibtex(keys: Iterable[str]) -> str:
-    """The entry of ecume, and these of the bibliography."""
+    """The entry of ecume, followed by these entries of the bibliography."""
     return "\n\n".join([software(), *(bibliography()[key] for key in keys)]) + "\n"
 
 
@@ -86,7 +86,7 @@ LETTERS = {r"\ss": "ß", r"\o": "ø", r"\O": "Ø", r"\l": "ł", r"\L": "Ł", r"\
 
 
 def without_latex(text: str) -> str:
-    r"""Text of a bibliography as it is read: letters with accents, quotation marks, dashes.
+    r"""Text of a bibliography without LaTeX: letters with accents, quotation marks, dashes.
 
     >>> without_latex(r"The ``{C}heerios effect'' of fluid--fluid films by M{\"o}bius")
     'The “Cheerios effect” of fluid–fluid films by Möbius'

@@ -9,7 +9,7 @@ EcumeError
 ├── StorageError        exit 4   disk full, unreadable or damaged files
 └── Stopped             exit 75  stopped on request, with a checkpoint
 
-`install` gives the cure where a package of an extra is missing, `beside_ecume` where one beside ecume is.
+`install` is the remedy if a package of an extra is missing, `beside_ecume` if a separate package of ecume is missing.
 """
 
 from __future__ import annotations
@@ -58,7 +58,7 @@ class SceneError(BadInput):
 
 
 class FloaterSinks(BadInput):
-    """The surface cannot carry this body: its density ratio is above the sinking limit."""
+    """The surface cannot support this body: its density ratio is above the sinking limit."""
 
 
 class RunExists(BadInput):
@@ -84,7 +84,7 @@ class Stopped(EcumeError):
 
 
 def nearest(word: str, known: Sequence[str]) -> str:
-    """Advice on an unknown word: the known one most like it, or all of them.
+    """Advice on an unknown word: the most similar known word, or all known words.
 
     >>> nearest("watr", ["water", "ethanol"]), nearest("x", ["water", "ethanol"])
     ('did you mean water?', 'known: water, ethanol')
@@ -112,7 +112,7 @@ def install(extra: str) -> str:
 
     try:
         found = [OF_AN_EXTRA.match(line) for line in requires("ecume") or ()]
-    except PackageNotFoundError:  # used from a folder of sources, without an installation
+    except PackageNotFoundError:  # used from a source folder, without an installation
         found = []
     packages = [match["package"].strip() for match in found if match and match["extra"] == extra]
     return f"pip install {' '.join(map(repr, packages))}" if packages else f"pip install '.[{extra}]' in the sources"
@@ -127,7 +127,7 @@ BESIDE = {
 
 @contextmanager
 def beside_ecume() -> Iterator[None]:
-    """Import from our packages beside ecume. Raises BadInput where they are not installed."""
+    """A context for importing the separate packages of ecume. Raises BadInput if they are not installed."""
     try:
         yield
     except ModuleNotFoundError as missing:

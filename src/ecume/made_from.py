@@ -1,8 +1,8 @@
-"""Digests of the code and data behind recorded numbers, which tell whether a record is stale.
+"""Digests of the code and data behind recorded numbers, which show whether a record is stale.
 
-A digest of the source of every module that a case or a script reaches by imports, of its data, and of the templates
-that it names. Of the models and their scenes only those count that it uses. Comments, docstrings, blank lines and
-messages of errors do not count: they change no number. For a case, what only draws, prints or stores does not count.
+A digest covers the source of every module that a case or a script reaches by imports, its data, and the templates that
+it names. Only the models that it uses, and their scenes, are included. Comments, docstrings, blank lines and error
+messages do not count, since they do not change numbers. For a case, code that only draws, prints or stores is excluded.
 """
 
 from __future__ import annotations
@@ -85,7 +85,7 @@ def models_of(home: str, case: str = "", package: Path = PACKAGE) -> frozenset[s
 
 @cache
 def _own(home: str, package: Path) -> tuple[str, ...]:
-    """The module of a case or script, and the modules beside it that it imports."""
+    """The module of a case or script, and the modules in the same folder that it imports."""
     found, ahead = dict[str, None](), [home]
     while ahead:
         name = ahead.pop()
@@ -104,7 +104,7 @@ def _texts(home: str, package: Path) -> frozenset[str]:
 
 @cache
 def _data(home: str, case: str, package: Path) -> tuple[Path, ...]:
-    """Scenes and tables of a case, and of those that its code names."""
+    """The scenes and tables of a case, and those of other cases that its code names."""
     own = package.parent / "ecume_validation" / "data" / case.replace("-", "_")
     if not case or not own.is_dir():
         return ()

@@ -26,7 +26,7 @@ ROOMIER = 1.6
 
 
 class Moment(NamedTuple):
-    """A pause of the integration: always a whole state, and a frame where one is due."""
+    """A pause of the integration: always with a complete state, and with a frame if one is due."""
 
     state: Any
     frame: Frame | None
@@ -78,11 +78,11 @@ def moments(
 ) -> Iterator[Moment]:
     """Integrate a scene and pause at every frame, and at least about every `patience` seconds of wall time.
 
-    With `state` (of a checkpoint) the integration continues from there. Pauses change no bit of the result.
-    The state of a moment is moved on by the next one: copy it to keep it. `engine` integrates in place of the scene's
-    model. `constants` gets the parameters that follow from the scene and returns
-    those to use: a resumed run keeps the constants that it was begun with. `sampled` is the position of the last
-    sample, `BEFORE` at the beginning; by default there are no samples.
+    With `state` (of a checkpoint) the integration continues from there. Pauses change no bit of the result. The next
+    moment changes the state of this one: copy it if you need it later. `engine` integrates instead of the model of the
+    scene. `constants` is a function from the parameters that follow from the scene to the parameters to use: a resumed
+    run uses the constants with which it started. `sampled` is the position of the last sample, `BEFORE` at the
+    beginning; by default there are no samples.
     """
     model = MODELS[scene.model]
     if engine is not None:
@@ -101,7 +101,7 @@ def moments(
     integration = Integration(model, parameters, state, patience)
     schedule = Schedule(actions, scene, integration)
     per_frame = parameters.steps_per_frame
-    # Adaptive steps before the end need at least one tick before that of the end.
+    # Adaptive steps before the end need at least one tick before the last one.
     total = last_step(scene, per_frame, least=2 if model.adaptive else 1)
     if not 0 <= (begun := int(state.step[0])) <= total:
         raise BadInput(f"the state of the checkpoint is at step {begun}; expected 0 to {total}")
@@ -135,7 +135,7 @@ def extended(model: Model, scene: Scene, extra_laws: Sequence[Callable[..., floa
 
 
 def _on_time(scene: Common, frame: Frame, number: float) -> Frame:
-    """The frame with the decimal time at which it is due, where its own differs from it by rounding only."""
+    """The frame with the decimal time at which it is due, if its time differs from this only by rounding."""
     due = scene.frame_time(math.ceil(number)) if number <= scene.frames else frame.time
     return frame._replace(time=due) if math.isclose(frame.time, due, rel_tol=1e-9) else frame
 
@@ -161,7 +161,7 @@ class Integration:
         self.workspace = self.model.workspace(self.parameters, self.state, self.room)
 
     def go(self, most: int) -> None:
-        """Advance by `most` steps, or by as many as the patience allows."""
+        """Advance by `most` steps, or by as many as the patience permits."""
         steps = min(most, self.batch)
         before, began = int(self.state.step[0]), time.perf_counter()
         status = self.model.advance(self.parameters, self.state, self.workspace, steps)
@@ -183,7 +183,7 @@ FAR = 1 << 62
 
 
 class Schedule:
-    """The actions of a simulation. They are due at fixed steps, so that a resumed run performs the same ones."""
+    """The actions of a simulation. They are due at fixed steps, so that a resumed run performs the same actions."""
 
     def __init__(self, actions: Sequence[Action], scene: Scene, integration: Integration) -> None:
         for action in actions:
@@ -198,7 +198,7 @@ class Schedule:
         return with_injected_work(frame, self._at.model.access, self._at.state) if self._actions else frame
 
     def ahead(self) -> int:
-        """The most steps that may be taken before an action is due; 0, a single one, where steps adapt."""
+        """The largest number of steps before an action is due; 0, for a single step, if steps are adaptive."""
         model, step = self._at.model, int(self._at.state.step[0])
         if model.adaptive and self._actions:
             return 0

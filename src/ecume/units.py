@@ -34,7 +34,7 @@ Value = TypeVar("Value", float, Array)
 
 LONGEST_TEXT = 40
 QUANTITY = re.compile(r"\s*([+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]{1,3})?)\s*(.*?)\s*", re.DOTALL)
-# Pint's parser would evaluate `m**9**9**9`; it receives only texts of this grammar, with exponents of one digit.
+# Pint's parser would evaluate `m**9**9**9`; it only receives texts of this grammar, with exponents of one digit.
 FACTOR = r"[A-Za-zµμ°%Ω_]+(?:(?:\^|\*\*)?-?[0-9])?"
 PRODUCT = rf"{FACTOR}(?:\s*[* ]\s*{FACTOR})*"
 UNIT = re.compile(rf"(?:{PRODUCT}|1(?=\s*/))(?:\s*/\s*(?:{FACTOR}|\({PRODUCT}\)))*")
@@ -55,13 +55,15 @@ class Unit:
     symbol: str
 
     def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
-        """A scene's number may be written as text with its unit."""
+        """The schema by which the number of a scene may be text with a unit."""
         from pydantic_core import core_schema
 
         return core_schema.no_info_before_validator_function(self.number, handler(source))
 
     def number(self, value: object) -> float:
-        """A scene's value in SI: a number as it is, text and quantities through their unit, anything else refused."""
+        """The value of a number of a scene in SI: numbers are unchanged, text and quantities are converted, and
+        anything else is refused.
+        """
         if isinstance(value, str):
             return parse(value, self.symbol)
         if (quantity := quantity_of(value)) is not None:
@@ -95,8 +97,8 @@ def parse(text: str, symbol: str) -> float:
 
 
 def _converted(number: str, unit: str, symbol: str) -> float:
-    """The value of a number of `unit` in units of `symbol`, computed by fractions, so that "1.7 mm" is the same float
-    as 0.0017.
+    """A number of `unit` in units of `symbol`, computed with fractions, so that "1.7 mm" is the same float as
+    0.0017.
     """
     shift, scale = _offset(unit) if symbol == "K" else ("0", repr(factor(unit, symbol)))
     try:
@@ -116,7 +118,7 @@ class Quantity:
     """An array of NumPy leaves the multiplication to the quantity: `array * mm` is a list of quantities."""
 
     def to(self, unit: str) -> float:
-        """The number of `unit` in it, rounded once. Raises ValueError where the dimensions differ.
+        """The number of `unit` in the quantity, rounded once. Raises ValueError if the dimensions differ.
 
         >>> Quantity(5, "mm").to("m")
         0.005
@@ -197,7 +199,7 @@ def _product(one: str, other: str, sign: int) -> str:
 
 
 def _typed(unit: str) -> str:
-    """A unit in the characters of a keyboard: `m^-3` of `m⁻³`, `1/mL` of `/mL`."""
+    """A unit in the characters of a keyboard: `m^-3` for `m⁻³`, `1/mL` for `/mL`."""
     plain = RAISED.sub(lambda found: "^" + found[0].translate(LOWERED), unit.strip().translate(TYPOGRAPHY))
     return f"1{plain}" if plain.startswith("/") else plain
 
@@ -207,7 +209,7 @@ def _power(name: str, power: int) -> str:
 
 
 def _powers(unit: str) -> dict[str, int]:
-    """The powers of the units in a product or quotient: `{"kg": 1, "m": -3}` of `kg/m^3`."""
+    """The powers of the units in a product or quotient: `{"kg": 1, "m": -3}` for `kg/m^3`."""
     found: dict[str, int] = {}
     plain = _typed(unit).replace("**", "^")
     for sign, bracket, single in re.findall(r"(^|/)\s*(?:\(([^()]*)\)|([^/()]*))", plain):
@@ -217,7 +219,9 @@ def _powers(unit: str) -> dict[str, int]:
 
 
 def quantity_of(value: object) -> Quantity | None:
-    """The quantity that a Python object means: one of ecume's, a pair `(2, "mm")`, or one of Pint's; None otherwise."""
+    """The quantity that corresponds to a Python object: a quantity of ecume, a pair `(2, "mm")`, or a quantity of Pint;
+    None otherwise.
+    """
     if isinstance(value, Quantity):
         return value
     if isinstance(value, tuple) and len(value) == 2 and isinstance(value[1], str) and _is_number(value[0]):
@@ -231,9 +235,9 @@ def _is_number(value: object) -> TypeGuard[float]:
 
 
 def _offset(unit: str) -> tuple[str, str]:
-    """The offset and the factor that turn a temperature of this unit into kelvin.
+    """The offset and the factor that convert a temperature of this unit to kelvin.
 
-    Only a temperature that stands alone has an offset: in `J/(kg*K)` there are differences of temperatures.
+    Only a single temperature has an offset: `J/(kg*K)` contains a difference of temperatures.
     """
     known = OFFSETS.get(unit.strip())
     return ("0", repr(factor(unit, "K"))) if known is None else known
@@ -259,7 +263,7 @@ PER_LONG_TIME = [{name: -1} for name in ("min", "minute", "h", "hour", "hr", "d"
 def factor(unit: str, symbol: str) -> float:
     """The number of SI units of `symbol` in one `unit`.
 
-    Text may omit the radians of `rad/s`, but not those of `rad/min`: there it would mean turns.
+    Text may omit the radians of `rad/s`, but not those of `rad/min`, where it would mean revolutions.
 
     >>> factor("mN/m", "N/m")
     0.001
@@ -285,7 +289,7 @@ def factor(unit: str, symbol: str) -> float:
 
 
 def _readable(unit: str, symbol: str) -> str:
-    """A unit as Pint reads it. Raises ValueError where it is no unit by its form."""
+    """A unit in the notation of Pint. Raises ValueError for text that is not a unit."""
     plain = _typed(unit)
     if len(plain) > LONGEST_TEXT or UNIT.fullmatch(plain) is None:
         hint = "; the decimal separator is a point" if plain.startswith(",") else ""
@@ -355,7 +359,7 @@ def _named(name: str) -> Base | None:
 
 
 def same_dimension(one: str, other: str) -> bool:
-    """Whether two units measure the same; radians are no plain numbers."""
+    """Whether two units have the same dimension; radians differ from plain numbers."""
     known, expected = base_of(one), base_of(other)
     if known is not None and expected is not None:
         return known.powers == expected.powers

@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 
 
 class Statement(NamedTuple):
-    """One line of the README, with the decks to which it applies."""
+    """One line of the README, and the decks to which it applies."""
 
     applies: Callable[[DeckNumbers], bool]
     text: Callable[[DeckNumbers], str]
@@ -56,7 +56,7 @@ def _meniscus_text(deck: DeckNumbers) -> str:
 
 
 def _same(text: str) -> Callable[[DeckNumbers], str]:
-    """A statement without numbers."""
+    """A statement that contains no numbers of the deck."""
     return lambda deck: text
 
 
@@ -229,8 +229,8 @@ DECKS: Mapping[str, Callable[[Any], dict[str, str]]] = {"floating": floating_dec
 
 
 def _require_own(folder: Path, files: Mapping[str, str]) -> None:
-    """Raise BadInput if files of a deck would replace files of another kind: only a folder with a script counts as a
-    deck.
+    """Raise BadInput if files of a deck would replace other files: a folder counts as a deck only if it contains a
+    script.
     """
     there = [name for name in files if (folder / name).exists()]
     script = folder / SCRIPT

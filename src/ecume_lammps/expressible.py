@@ -63,7 +63,7 @@ NONE = _names("none")
 
 
 def _whether(there: bool, name: str) -> str:
-    """The name of an optional choice."""
+    """The given name if an optional choice exists, otherwise "none"."""
     return name if there else "none"
 
 
@@ -177,7 +177,9 @@ def require_expressible(scene: Any, rows: Sequence[Expressible] = FLOATS) -> Non
 
 
 def calls_us(scene: FloatingScene) -> bool:
-    """Whether LAMMPS has to call ecume's forces, and can: for floats with inertia and without contact friction."""
+    """Whether LAMMPS has to call the forces of ecume, and can do so: for floats with inertia and without contact
+    friction.
+    """
     missing = {fault.path for fault in faults_of(scene)}
     lifted = {row.path for row in FLOATS if row.external}
     inertia = scene.integration.integrator != "overdamped"

@@ -1,7 +1,7 @@
 """Floats that LAMMPS integrates: commands, the state that it returns, and ecume's forces on the
 particles of a rank.
 
-A rank has its own particles, and ghosts of particles of other ranks and of the periodic box. Ghosts are particles with
+A rank has local particles, and ghosts of particles of other ranks and of the periodic box. Ghosts are particles with
 known positions, so that sums over pairs need no periodic images. The forces on ghosts are incomplete and are not used.
 """
 
@@ -123,7 +123,7 @@ def part_of(parameters: Parameters, which: Integers) -> Parameters:
 
 
 def _holds(kept: Kept, which: Integers, position: Array) -> bool:
-    """Whether neighbor lists are valid: the floats are the same, and none moved by more than half of the skin."""
+    """Whether neighbor lists are valid: the floats are the same, and none has moved by more than half of the skin."""
     if not np.array_equal(kept.which, which):
         return False
     return bool(np.linalg.norm(position - kept.position, axis=1).max() <= 0.5 * kept.parameters.skin)

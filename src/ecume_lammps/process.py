@@ -1,8 +1,8 @@
 """A running LAMMPS: its executable on this machine, commands one after the other, and its binary dumps.
 
-Commands go through its standard input, so that there is no script on disk that could be changed. After each group of
-commands LAMMPS prints a mark. Particles are written to a binary dump in a private folder, by the first rank, one rank
-after the other, so that no rank needs memory for all of them.
+Commands are written to its standard input, so that there is no script on disk that could be changed. After each group
+of commands LAMMPS prints a mark. Particles are written to a binary dump in a private folder, by the first rank, one
+rank after the other, so that no rank needs memory for all of them.
 """
 
 from __future__ import annotations
@@ -187,7 +187,7 @@ class Lammps:
         self.version = ""
         for name, text in files.items():
             (Path(self._folder.name) / name).write_text(text, encoding="utf-8")
-        # In a separate session Ctrl-C reaches ecume only, which then reads the state for a checkpoint.
+        # In a separate session Ctrl-C affects only ecume, which then reads the state for a checkpoint.
         self._process = subprocess.Popen(  # noqa: S603  # an executable that the user has installed or named
             program.words(ranks, calls_us=SCENE in files),
             cwd=self._folder.name,
@@ -211,7 +211,7 @@ class Lammps:
         self._await(mark)
 
     def particles(self, columns: Sequence[str], group: str = "all") -> Array:
-        """These quantities of the particles of a group, one row each, in the order of their LAMMPS numbers."""
+        """The given quantities of the particles of a group, one row each, in the order of their LAMMPS numbers."""
         self.do(f"write_dump {group} custom {DUMP} id {' '.join(columns)}")
         path = Path(self._folder.name) / DUMP
         try:

@@ -1,7 +1,7 @@
 """Tanks in LAMMPS: expressible features, numbers in reduced units, and the files of a deck.
 
-The package RHEO has a Tait pressure, artificial and laminar viscosity and a density diffusion, as ecume has. It has
-no mirror walls. A deck therefore contains the whole liquid behind each wall as a second, mirrored liquid, for which
+Like ecume, the package RHEO has a Tait pressure, artificial and laminar viscosity, and a density diffusion. It has no
+mirror walls. A deck therefore contains the whole liquid behind each wall as a second, mirrored liquid, for which
 gravity is mirrored as well: by symmetry, the plane between them is a free-slip wall. Opposite walls make the box
 periodic with twice the size of the tank.
 
@@ -203,10 +203,7 @@ def tank_of(scene: SphScene, parameters: Parameters | None = None, state: State 
 
 
 def reach_of(scene: SphScene) -> float:
-    """The support radius (m) of the quintic spline with the standard deviation of the scene's
-    kernel.
-
-    With the same support it would be narrower by an eighth, and the front of a dam break faster.
+    """The support radius (m) of the quintic spline with the standard deviation of the kernel of the scene.
 
     With the same support it would be narrower by an eighth, and the front of a dam break faster.
     """
@@ -380,7 +377,7 @@ def _output(tank: Tank) -> Iterator[str]:
 
 
 def readme_text(tank: Tank) -> str:
-    """The README: units, and which parts are exact or approximate."""
+    """The README: units, and a list of exact and approximate parts."""
     copies = 2 ** sum(axis.side != 0 for axis in tank.axes)
     planes = ", ".join(f"{name} = {axis.plane:g} m" for axis, name in zip(tank.axes, "xyz", strict=False) if axis.side)
     return f"""# {tank.scene.title or "Tank"}: a deck for LAMMPS

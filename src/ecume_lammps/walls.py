@@ -63,7 +63,9 @@ def half_sides(deck: DeckNumbers) -> tuple[float, float]:
 
 
 class DishFit(NamedTuple):
-    """(a/r) I1(r/L)/I1(a/L) = exp((s - s_a)/L) s^(-3/2) sum_j c_j k^j with k = slope/s + shift, s^2 = r^2 + (5 L)^2."""
+    """Fit of (a/r) I1(r/L)/I1(a/L) = exp((s - s_a)/L) s^(-3/2) sum_j c_j k^j with k = slope/s + shift, s^2 = r^2 + (5
+    L)^2.
+    """
 
     slope: float
     """m"""
@@ -73,7 +75,9 @@ class DishFit(NamedTuple):
 
 
 def _tail(z: float) -> float:
-    """exp(-s) s^(3/2) I1(z)/z with s^2 = z^2 + 25, a smooth function of 1/s: I1 grows as exp(z)/sqrt(z)."""
+    """Function exp(-s) s^(3/2) I1(z)/z with s^2 = z^2 + 25, which is smooth in 1/s, since I1 grows as
+    exp(z)/sqrt(z).
+    """
     s = math.hypot(z, ROUNDED)
     over = 0.5 * math.exp(-z) if z < 1e-6 else float(scaled_bessel_i1(z)) / z
     return float(over * math.exp(z - s) * s**1.5)
@@ -170,7 +174,9 @@ def flow_of(deck: DeckNumbers) -> Formula | None:
 
 
 def box_of(deck: DeckNumbers) -> tuple[float, float, float, float]:
-    """The box: lowest and highest x, then y (m). It is the periodic cell, or contains the dish or all floats."""
+    """The limits of the box: lowest and highest x, then y (m). The box is the periodic cell, or contains the dish or
+    all floats.
+    """
     if deck.scene.cell is not None:
         width, height = deck.parameters.periods[0].tolist()
         return 0.0, width, 0.0, height

@@ -1,8 +1,8 @@
 """Comparisons of ecume with published numbers: `ecume validate`.
 
-`CASES` is the table of cases; start there. Each case is a function that runs it and returns `runner.Row`s: `rows` in
-the module with its name, or a function in a module for several cases of one subject. Its scene, its tables and a README
-with their sources are in `data/CASE`. `runner` reads and runs them, and judges rows.
+Start with `CASES`, the table of cases. Each case is a function that runs it and returns `runner.Row`s: `rows` in the
+module with its name, or a function in a module for several cases of one subject. Its scene, its tables and a README
+with their sources are in `data/CASE`. `runner` reads and runs scenes, and compares the numbers of rows.
 """
 
 from __future__ import annotations

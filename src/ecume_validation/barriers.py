@@ -1,4 +1,4 @@
-"""Floats in front of a moving barrier, and the friction of the walls beside them: the case `barrier`."""
+"""Floats in front of a moving barrier, and the friction of the adjacent walls: the case `barrier`."""
 
 from __future__ import annotations
 
@@ -48,7 +48,7 @@ def trough(places: list[list[float]], width: Length, integrator: str, **changes:
 
 
 def drag_of(scene: FloatingScene) -> Force:
-    """The drag of a lone float at the speed of the barrier (N)."""
+    """The drag of a single float at the speed of the barrier (N)."""
     floats = parameters_of(scene).floats
     return SPEED * float(floats.mass[0] / floats.relaxation_time[0])
 
@@ -60,7 +60,7 @@ def last_frame(scene: FloatingScene) -> Frame:
 
 
 def pushed_rows() -> Iterator[Row]:
-    """The speed and the force of rows that touch, over those in closed form, and the work in a steady state."""
+    """The speed and the force of rows in contact, over those in closed form, and the work in a steady state."""
     for integrator in INTEGRATORS:
         for count in (1, 8):
             scene = trough([[2.0 * RADIUS * k - 0.02, 0.0] for k in range(count)], 0.02, integrator)
@@ -76,14 +76,16 @@ def pushed_rows() -> Iterator[Row]:
 
 
 def zigzag(count: int) -> FloatingScene:
-    """Spheres that touch one another and, in turn, both walls of a narrow trough."""
+    """Spheres that touch each other and, alternately, both walls of a narrow trough."""
     along, across = 2.0 * RADIUS * (1.0 + 1e-7) * math.cos(TILT), RADIUS * math.sin(TILT)
     places = [[along * k - 0.02, across * (-1) ** k] for k in range(count)]
     return trough(places, 2.0 * (across + RADIUS), "overdamped")
 
 
 def zigzag_force(count: int, drag: Force) -> Force:
-    """The force on the barrier (N): F_i - F_(i+1) = mu (F_i + F_(i+1)) tan(theta) + zeta V, from the free end on."""
+    """The force on the barrier (N): F_i - F_(i+1) = mu (F_i + F_(i+1)) tan(theta) + zeta V, starting from the free
+    end.
+    """
     force, share = 0.0, FRICTION * math.tan(TILT)
     for _ in range(count):
         force = ((1.0 + share) * force + drag) / (1.0 - share)
@@ -91,8 +93,9 @@ def zigzag_force(count: int, drag: Force) -> Force:
 
 
 def janssen_force(count: int, drag: Force) -> Force:
-    """The same by Janssen's law of a continuum with the pressure ratio k of the zigzag: dF/dx = 2 mu k F/W + zeta V/a,
-    where a = 2 R cos(theta), and k = W tan(theta)/a from the load 2 F tan(theta) of each sphere on its wall.
+    """The force on the barrier (N) by Janssen's law of a continuum with the pressure ratio k of the zigzag: dF/dx = 2
+    mu k F/W + zeta V/a, where a = 2 R cos(theta), and k = W tan(theta)/a from the load 2 F tan(theta) of each sphere on
+    its wall.
     """
     spacing, width = 2.0 * RADIUS * math.cos(TILT), 2.0 * RADIUS * (1.0 + math.sin(TILT))
     left = pressure_left(count * spacing, width, FRICTION, width * math.tan(TILT) / spacing)
@@ -102,8 +105,8 @@ def janssen_force(count: int, drag: Force) -> Force:
 def zigzags() -> Iterator[Row]:
     """The balance of zigzags between rough walls, and the growth of the force with the number of spheres.
 
-    The friction of the barrier holds a part of the first sphere's load, which its wall then does not carry. In long
-    zigzags it is at its limit, the same part for any length: growths are compared.
+    The friction at the barrier carries a part of the load of the first sphere instead of the wall. In long zigzags this
+    friction is at its limit, a fixed part for any length; therefore the growth of the force is compared.
     """
     forces, drag = {}, drag_of(zigzag(2))
     for count in NUMBERS:
@@ -120,7 +123,7 @@ def zigzags() -> Iterator[Row]:
 
 
 def packed_rows() -> Iterator[Row]:
-    """Where the barrier stops at a row without room, and how deep floats overlap."""
+    """The position at which the barrier stops at a row without room, and the overlaps of floats."""
     row = [[0.5 * LENGTH - RADIUS * (17.5 - 2.0 * k), 0.0] for k in range(9)]
     for integrator in INTEGRATORS:
         last = last_frame(trough(row, 0.02, integrator, stop=LENGTH - 18.0 * RADIUS))

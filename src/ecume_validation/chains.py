@@ -1,4 +1,4 @@
-"""Chains of rough floats that hold or close: the case `chains`."""
+"""Chains of rough floats that keep their shape or close: the case `chains`."""
 
 from __future__ import annotations
 
@@ -28,12 +28,12 @@ HALVINGS = 5
 
 
 def rows() -> list[Row]:
-    """Compare thresholds, then the ends of chains after a minute."""
+    """Compare thresholds, and the ends of chains after a minute."""
     return [*thresholds(), *one_minute()]
 
 
 def chain(bend: Angle, rolling: Number, friction: Number = ROUGH, duration: Time = 0.5) -> FloatingScene:
-    """Three spheres in contact, at rest; the one in the middle sees the others at the angle `bend`."""
+    """Three spheres in contact at rest; `bend` is the angle at the middle one."""
     apart = 2.0 * RADIUS * (1.0 + 1e-7)
     ends: list[Any] = [[apart * math.cos(0.5 * bend), side * apart * math.sin(0.5 * bend)] for side in (1.0, -1.0)]
     scene = from_plain({
@@ -55,7 +55,7 @@ def bend_after(bend: Angle, rolling: Number, friction: Number = ROUGH) -> Angle:
 
 
 def holding_coefficient(bend: Angle) -> Number:
-    """The coefficient of rolling friction at which the chain holds, in closed form."""
+    """The coefficient of rolling friction above which the chain keeps its shape, in closed form."""
     parameters = parameters_of(chain(bend, 1.0))
     charge = float(parameters.floats.charge[0])
     pair, law = two_floats(parameters, (RADIUS, RADIUS), (charge, charge)), law_of(parameters)
@@ -64,7 +64,7 @@ def holding_coefficient(bend: Angle) -> Number:
 
 
 def threshold(closes: Callable[[float], bool], expected: float) -> float:
-    """The coefficient below which a chain closes, by bisection between 0.9 and 1.1 of the expected one."""
+    """The coefficient below which a chain closes, by bisection between 0.9 and 1.1 times the expected value."""
     low, high = 0.9 * expected, 1.1 * expected
     for _ in range(HALVINGS):
         middle = 0.5 * (low + high)
@@ -73,7 +73,7 @@ def threshold(closes: Callable[[float], bool], expected: float) -> float:
 
 
 def thresholds() -> Iterator[Row]:
-    """Coefficients at which simulated chains hold, over those in closed form."""
+    """Coefficients above which simulated chains keep their shape, over those in closed form."""
     for bend in BENDS:
         expected = holding_coefficient(bend)
         found = threshold(lambda rolling, bend=bend: bend_after(bend, rolling) < bend - MOVED, expected)  # type: ignore[misc]

@@ -107,7 +107,7 @@ def menisci() -> Iterator[Row]:
 
 
 def shares(found: list[list[str]], weights: dict[str, float], name: str) -> Iterator[Row]:
-    """Rows that compare the share of each rigid cluster with that of its weight."""
+    """Rows that compare the share of each rigid cluster with the share of its weight."""
     for (label, weight), cluster in zip(weights.items(), GROUND_STATES, strict=True):
         share = share_of(label, list(weights), found)
         row = f"{name}: share of the {cluster} among rigid clusters (tolerance: 3 standard errors)"
@@ -186,7 +186,7 @@ def label_of_bonds(bound: tuple[bool, ...]) -> str:
 
 
 def weights_of_ground_states() -> dict[str, float]:
-    """The weight of each rigid cluster of six by its label."""
+    """The weight of each rigid cluster of six spheres, by its label."""
     found = {}
     for steps in GROUND_STATES.values():
         place = np.array(steps) @ LATTICE
@@ -196,7 +196,7 @@ def weights_of_ground_states() -> dict[str, float]:
 
 
 def share_of(label: str, among: list[str], found: list[list[str]]) -> Mean:
-    """The share of a label among others, and its standard error from the groups."""
+    """The share of a label among other labels, and its standard error from the groups."""
     own = np.array([labels.count(label) for labels in found], dtype=float)
     every = np.array([sum(labels.count(each) for each in among) for labels in found], dtype=float)
     share = float(own.sum() / every.sum())

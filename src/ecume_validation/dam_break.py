@@ -1,4 +1,6 @@
-"""Dam breaks: front, impact and pressure on the far wall, levels and volume, beside other codes and experiments."""
+"""Dam breaks: front, impact and pressure on the far wall, levels and volume, compared with other codes and
+experiments.
+"""
 
 from __future__ import annotations
 
@@ -159,8 +161,8 @@ def volume(run: Broken, deep: int) -> Row:
 
 
 def tall() -> list[Row]:
-    """Compare the tall column with two experiments, which codes without friction and gate precede, and with such a
-    code.
+    """Compare the tall column with two experiments, and with a code; simulations without friction and gate are ahead of
+    experiments.
     """
     run = broken([*TALL, f"spacing={TALL_SPACING}"], 4.0 * TALL_SPACING)
     # The front of the liquid is half a spacing beyond the center of the last particle.

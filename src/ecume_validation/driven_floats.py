@@ -92,7 +92,7 @@ SWIMMER_TOLERANCE = 0.2
 
 
 def swimmer_rows() -> list[Row]:
-    """Compare spheres in a row, then triangles."""
+    """Compare spheres in a row, and triangles."""
     return [*in_a_row(), *triangles()]
 
 
@@ -234,8 +234,8 @@ def surfers() -> Iterator[Row]:
 
 
 def final_spacings() -> Array:
-    """The final distances of pairs of surfers that swim along y (m), for all `SPACINGS`. Pairs are too far from one
-    another to interact by waves.
+    """The final distances of pairs of surfers that swim along y (m), for all `SPACINGS`. Pairs are too far from each
+    other to interact by waves.
     """
     starts = enumerate(SPACINGS.tolist())
     places = [[APART * pair + 0.5 * side * start, 0.0] for pair, start in starts for side in (-1, 1)]

@@ -48,7 +48,9 @@ def axes_of_liquid(frame: Frame) -> float:
 
 
 def swing_of(frames: Sequence[Frame]) -> Swing:
-    """The oscillation of the ratio of the axes. A drop of unequal particles has a ratio of not quite one at rest."""
+    """The oscillation of the ratio of the axes. At rest the ratio of a drop of unequal particles is slightly different
+    from one.
+    """
     time, ratio = np.array([f.time for f in frames]), np.array([axes_of_liquid(f) for f in frames])
 
     def damped(t: Array, a: float, b: float, w: float, rate: float, rest: float) -> Array:
@@ -81,7 +83,7 @@ LATE = 0.0076
 
 
 def drop_rows() -> list[Row]:
-    """Compare a stretched drop, then oscillating ones."""
+    """Compare a drop in a straining flow, and oscillating drops."""
     return [*stretched(), *swinging(), *damped()]
 
 
@@ -158,7 +160,7 @@ ROUND = np.sqrt(4.0 / np.pi)
 
 
 def tension_rows() -> list[Row]:
-    """Compare a square, oscillations and the pressure inside."""
+    """Compare a square drop, oscillations, and the pressure inside."""
     return [*square(), *small(), *fading(), *resting(), *wide()]
 
 
@@ -206,7 +208,7 @@ def fading() -> list[Row]:
 
 
 def resting() -> list[Row]:
-    """Compare the pressure inside, and the residual motion."""
+    """Compare the pressure inside with Laplace's, and the residual motion with a bound."""
     frames = drop_frames("duration=6 s", "frame_every=0.1 s")
     late = frames[len(frames) // 2 :]
     pressure = float(np.mean([tension_pressure_inside(frame) for frame in late]))
@@ -226,7 +228,7 @@ def tension_pressure_inside(frame: Frame) -> float:
 
 
 def wide() -> list[Row]:
-    """Compare large oscillations, in which particles change their neighbors, by both models."""
+    """Compare large oscillations, in which particles change their neighbors, with both models of surface tension."""
     found, exact = [], drop_period(1.0, 1.0, 2, 2)
     for name, changes in (("csf", [WIDE]), ("cohesion", [WIDE, COHESION])):
         frames = drop_frames(*changes)
@@ -300,7 +302,7 @@ def friction_share(scene: SphScene, stretch: Array) -> float:
 
 def full_share(smoothing: float, stretch: Array) -> float:
     """The dissipation of a particle in an infinite lattice of unit spacing, over the exact one: one, except for the
-    lattice.
+    error of the lattice.
     """
     shape = kernel("wendland-c2", dim=3)
     line = np.arange(-math.ceil(2.0 * smoothing), math.ceil(2.0 * smoothing) + 1.0)

@@ -1,4 +1,4 @@
-"""A hundred fits to synthetic tracks: how often an interval contains the true value."""
+"""A hundred fits to synthetic tracks: the fraction of intervals that contain the true value."""
 
 from __future__ import annotations
 
@@ -72,7 +72,7 @@ def _fitted(clean: Array, rng: np.random.Generator) -> Trial:
 
 
 def judged(name: str, estimates: list[Estimate], truth: float) -> Iterator[Row]:
-    """Rows on how many intervals contain the true value, and on whether the errors are as large as estimated."""
+    """Rows on the number of intervals that contain the true value, and on the ratio of actual to estimated errors."""
     count = len(estimates)
     held = sum(one.low <= truth <= one.high for one in estimates)
     middle = 0.5 * (ENOUGH + TOO_MANY)

@@ -101,7 +101,7 @@ def closures(case: Case) -> Row:
 
 
 def image_forces(case: Case) -> Row:
-    """The force by a wall's image, over gamma A^2/L; without a radius the wall is plane."""
+    """The force by the image at a wall, over gamma A^2/L; without a radius the wall is plane."""
     distance, word = float(case["distance_over_L"]), case["wall"]
     if case["dish_radius_over_L"]:
         radius = float(case["dish_radius_over_L"])
@@ -113,7 +113,7 @@ def image_forces(case: Case) -> Row:
 
 
 def lubrication(case: Case) -> Row:
-    """The drag of two spheres that approach one another."""
+    """The drag of two approaching spheres."""
     separation, factor = float(case["separation_over_radius"]), float(case["factor"])
     computed = float(drag.pair_factor(separation))
     return within(f"drag of a pair at l/R={separation:g}", computed, factor, float(case["tolerance"]))
@@ -163,7 +163,7 @@ def bessel(case: Case) -> Iterator[Row]:
 
 
 def truncation(case: Case) -> Row:
-    """The fraction of the force at a raft's straight edge that a cutoff omits."""
+    """The fraction of the force at the straight edge of a raft that a cutoff neglects."""
     computed = capillarity.neglected_fraction(float(case["cutoff_over_L"]))
     name = f"share of a raft's pull beyond {case['cutoff_over_L']} L"
     return within(name, computed, float(case["neglected"]), float(case["tolerance"]))
@@ -298,7 +298,7 @@ def _body(case: dict[str, str]) -> Any:
 
 
 def _charge(body: Any) -> float:
-    """The charge from linear slopes at the body's heave and filling."""
+    """The charge for linear slopes at the heave and filling of the body."""
     if isinstance(body, flotation.Sphere):
         return body.radius * flotation.closed_form_charge(
             body.radius**2, body.density / MULTIPOLE_LIQUID.density, body.contact_angle
@@ -314,7 +314,7 @@ def _name(case: dict[str, str]) -> str:
 
 
 def _derivatives() -> list[Row]:
-    """Compare forces with differences of the energy."""
+    """Compare forces with finite differences of the energy."""
     found = []
     for name, body, apart in (
         ("disc", flotation.Disc(0.5, 0.1), 1.25),
@@ -416,7 +416,7 @@ def placed(line: Line, angle: float, x: float) -> Charges:
 
 
 def energy(one: Charges, other: Charges) -> float:
-    """-2 pi gamma sum A A' K0, by SciPy."""
+    """The energy -2 pi gamma sum A A' K0, with SciPy's functions."""
     apart = np.linalg.norm(one[0][:, None] - other[0], axis=2)
     return -2.0 * math.pi * float(one[1] @ k0(apart) @ other[1])
 

@@ -1,9 +1,8 @@
-"""Floats whose motion SciPy integrates too, and a raft: the cases `meeting`, `walls`, `integrators`
-and `raft`.
+"""Floats whose motion is also integrated by SciPy, and a raft: the cases `meeting`, `walls`, `integrators` and `raft`.
 
-The reference is the first part: the force laws of the runs with independent integration. Charge and friction of a float
-are from ecume's laws, which the case `floating` and the tests verify. Bessel functions and the integration of the
-motion are SciPy's, and the amplitude at the wall is computed here.
+The first part is the reference: the force laws of the runs with an independent integration. Charge and friction of a
+float are from ecume's laws, which the case `floating` and the tests verify. Bessel functions and the integration of the
+motion are from SciPy, and the amplitude at the wall is computed here.
 """
 
 from __future__ import annotations
@@ -60,7 +59,7 @@ def bodies_of(scene: FloatingScene) -> list[Body]:
 
 
 def meeting_time(bodies: Sequence[Body], distance: float, liquid: flotation.Liquid) -> float:
-    """The time at which two bodies touch that are released at rest, with their centers a distance apart (s)."""
+    """The time (s) at which two bodies touch that are released at rest, with this distance of their centers."""
     one, other = bodies
     length, tension = liquid.capillary_length, liquid.surface_tension
     strength = 2.0 * math.pi * tension * one.charge * other.charge / length
@@ -194,8 +193,8 @@ def wall_rows() -> list[Row]:
 
 
 def drift(kind: str, glass: str, dish: float, drag: bool) -> Row:
-    """Compare a displacement with 2 mm, at the time at which the reference has moved so far (mm); towards the wall is
-    positive.
+    """Compare a displacement with 2 mm, at the time at which the reference has moved by this distance (mm); positive
+    towards the wall.
     """
     start = 1e-3 * (dish - FROM_WALL)
     changes = [
@@ -233,7 +232,7 @@ the first, and the change that Euler's scheme exceeds.
 def integrator_rows() -> list[Row]:
     """Compare five orders of convergence, and three numbers on energies."""
     with warnings.catch_warnings():
-        # The long steps are intended.
+        # the steps are long on purpose
         warnings.simplefilter("ignore", StepWarning)
         return [*(order(name) for name in ORDERS), *energies()]
 
@@ -255,8 +254,8 @@ def order(integrator: str) -> Row:
 
 
 def energies(steps: int = MANY) -> list[Row]:
-    """Compare energies: that of Verlet's scheme oscillates without growth, that of Euler's grows until the float is
-    ejected.
+    """Compare energies: with Verlet's scheme the energy oscillates without growth; with Euler's it grows until the
+    float is ejected.
     """
     kept = energy_changes(simulate(_long_scene("velocity-verlet", steps, LOOK_EVERY)))
     lost = energy_changes(_until_thrown_out(simulate(_long_scene("explicit-euler", steps, LOOK_EVERY // 100))))
@@ -270,14 +269,14 @@ def energies(steps: int = MANY) -> list[Row]:
 
 
 def energy_changes(frames: Iterable[Frame]) -> list[float]:
-    """The difference of the energy from the first, in each frame, over the energy of the oscillation."""
+    """The difference of the energy of each frame from the first, over the energy of the oscillation."""
     found = list(_energies(frames))
     swing = found[0] - _lowest()
     return [abs(energy - found[0]) / swing for energy in found]
 
 
 def _until_thrown_out(frames: Iterable[Frame]) -> Iterator[Frame]:
-    """The frames up to the failure of the run, which is expected here."""
+    """The frames until the run fails, which is expected here."""
     try:
         yield from frames
     except Diverged:
@@ -344,7 +343,7 @@ def unit_of_time() -> float:
 
 
 def raft_rows() -> list[Row]:
-    """Compare the raft at the trial's two steps and at four times the default step, without and with friction."""
+    """Compare rafts at the two steps of the trial and at four times the default step, without and with friction."""
     return [
         row
         for friction in (0.0, 0.3)
@@ -370,7 +369,7 @@ def rises_of(frames: list[Frame]) -> float:
 
 
 def raft(step: float, friction: float, rises_allowed: float = RISES, seeds: Sequence[int] = SEEDS) -> list[Row]:
-    """Compare rafts from these starts: the energies of all, and other quantities of the first."""
+    """Compare rafts from these starts: the energies of all rafts, and other quantities of the first."""
     frames, *others = [gathered(step, friction, seed) for seed in seeds]
     rises = float(np.median([rises_of(each) for each in (frames, *others)]))
     arrays, last = frames[-1].arrays, frames[-1].numbers

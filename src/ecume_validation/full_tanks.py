@@ -33,7 +33,7 @@ class Course(NamedTuple):
 
 
 def vortex_rows() -> list[Row]:
-    """Compare runs of both resolutions, and the finer one with the published run."""
+    """Compare runs with both resolutions, and the finer one with the published run."""
     courses = {side: vortex_course(side) for side in VORTEX_SIDES}
     errors = [float(courses[side].error[1:].max()) for side in VORTEX_SIDES]
     coarse = [below(f"{VORTEX_SIDES[0]} a side: largest error", errors[0], 0.06)]
@@ -180,7 +180,7 @@ def cavity_rows() -> list[Row]:
 
 
 def found(side: int) -> Found:
-    """Run one resolution: errors of the velocities on the lines, in the mean of the last frames."""
+    """Run one resolution, and return the errors of the velocities on the lines, averaged over the last frames."""
     frames = [frame for frame in frames_of("cavity", [f"spacing={1.0 / side!r}"]) if frame.time >= STEADY]
     errors = {}
     for line, component in LINES.items():

@@ -1,5 +1,5 @@
-"""Brownian hard discs beside Monte Carlo: pair distribution, pressure, walls; and bound pairs beside Boltzmann's
-weights.
+"""Brownian hard discs compared with Monte Carlo: pair distribution, pressure, walls; and bound pairs compared with
+Boltzmann's weights.
 
 The reference is Metropolis sampling in NumPy, which has neither time nor forces and shares no code with the model.
 """
@@ -52,7 +52,7 @@ TOLERANCE = 0.03
 
 
 class Room(NamedTuple):
-    """Where discs of radius 1 are."""
+    """The region of discs with radius 1."""
 
     period: float
     """the side of a periodic square; 0 for none"""
@@ -80,8 +80,8 @@ def rows() -> list[Row]:
 
 
 def metropolis(start: Array, room: Room, sweeps: int) -> Iterator[Array]:
-    """Configurations (copies, N, 2) of hard discs, every allowed one equally likely: moves that lead to an overlap are
-    rejected [metropolis1953].
+    """Configurations (copies, N, 2) of hard discs with equal probability for every allowed one: moves that lead to an
+    overlap are rejected [metropolis1953].
     """
     dice, count = np.random.default_rng(1), len(start)
     place = np.repeat(start[None], COPIES, axis=0)
@@ -122,8 +122,8 @@ def expected(start: Array, room: Room) -> Found:
 
 
 def simulated(start: Array, room: Room, samples: int, *, hydrodynamics: str = "none", longer: float = 1.0) -> Found:
-    """The mean counts of Brownian discs in equilibrium, with errors by blocks. `longer`: the time step over the default
-    one.
+    """The mean counts of Brownian discs in equilibrium, with errors by blocks; `longer` is the time step over the
+    default one.
     """
     run, walls = run_of(start, room, hydrodynamics, longer), math.isfinite(room.dish)
     steps, found = STEPS * (SLOWER if walls else 1), []
@@ -141,7 +141,7 @@ def by_blocks(found: Array) -> Found:
 
 
 def run_of(start: Array, room: Room, hydrodynamics: str, longer: float) -> Run:
-    """Half-immersed Brownian spheres of radius 1 um without attraction, with that many default steps in a step."""
+    """Half-immersed Brownian spheres of radius 1 um without attraction, with `longer` times the default time step."""
     around: dict[str, Any] = {"cell": {"size": [room.period * RADIUS] * 2}}
     if room.period == 0.0:
         around = {"dish": {"radius": room.dish * RADIUS, "contact_angle": math.pi / 2, "law": "none"}}
@@ -220,14 +220,14 @@ def dishes() -> Iterator[Row]:
 
 
 def pairs() -> Iterator[Row]:
-    """Compare the time that two spheres spend near one another with Boltzmann's weights."""
+    """Compare the fraction of time that two spheres spend near each other with Boltzmann's weights."""
     for interaction in ("none", "rotne-prager"):
         for radius in BOUND:
             yield from bound(radius, interaction)
 
 
 def bound(radius: float, hydrodynamics: str) -> Iterator[Row]:
-    """Compare the shares of gaps of one kind of spheres, of those below `FAR`."""
+    """Compare the shares of gaps below `FAR` for one kind of spheres."""
     run = pair_of(radius, hydrodynamics)
     length = float(run.parameters.pair[CAPILLARY_LENGTH]) / radius
     strength = 2.0 * math.pi * TENSION * float(run.parameters.floats.charge[0]) ** 2 / thermal_energy(TEMPERATURE)
@@ -243,7 +243,7 @@ def bound(radius: float, hydrodynamics: str) -> Iterator[Row]:
 
 
 def shares_of(run: Run, radius: float, edges: Array) -> Found:
-    """The shares of samples of a pair with gaps below each edge but the last, of those below the last."""
+    """The shares of the samples of a pair with gaps below each edge except the last, among those below the last."""
     found = []
     for _ in range(6 * SAMPLES):
         run.advance(STEPS)
@@ -255,8 +255,8 @@ def shares_of(run: Run, radius: float, edges: Array) -> Found:
 
 
 def weight_of(strength: float, length: float, dish: float = DISH) -> Any:
-    """The probability density of a distance in a dish, not normalized: the energy is -strength kT K0(r/L), and two
-    centers at a distance r have room in the overlap of two circles.
+    """The probability density of a distance in a dish, not normalized: the energy is -strength kT K0(r/L), and the
+    number of positions of two centers at the distance r is proportional to the overlap of two circles.
     """
     free = dish - 1.0
 

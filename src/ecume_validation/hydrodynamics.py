@@ -96,7 +96,7 @@ def rafts() -> Iterator[Row]:
 
 
 def approaches() -> Iterator[Row]:
-    """Compare the slowness of two approaching spheres, with lubrication films."""
+    """Compare the resistance of two approaching spheres, with lubrication films."""
     for gap in GAPS:
         places = RADIUS * np.array([[-1.0 - 0.5 * gap, 0.0], [1.0 + 0.5 * gap, 0.0]])
         run = Run(scene_of(places, lubrication={"roughness": 1e-8}))
@@ -109,8 +109,8 @@ def approaches() -> Iterator[Row]:
 
 
 def common_factor(distance: float) -> float:
-    """The drag of each of two equal spheres that move together along their line of centers, over that of one alone;
-    `distance` of the centers in radii, above 2.
+    """The drag of each of two equal spheres that move together along their line of centers, over that of a single
+    sphere; `distance` is that of the centers in radii, above 2.
 
     lambda = (4/3) sinh(a) sum_n n(n+1)/[(2n-1)(2n+3)] {1 - [4 sinh^2((n+1/2)a) - (2n+1)^2 sinh^2(a)] /
     [2 sinh((2n+1)a) + (2n+1) sinh(2a)]}, cosh(a) = l/2R. [stimson1926].

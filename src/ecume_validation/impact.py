@@ -117,7 +117,7 @@ def published(table: str, name: str) -> float:
 
 
 def rows_of(name: str, run: Impact, other: float) -> list[Row]:
-    """Rows on an impact beside the experiment; `other` is the peak of another code."""
+    """Rows that compare an impact with the experiment; `other` is the peak of another code."""
     times, lowest = run.times, run.pressures[:, 0]
     peak, rise, push = (published(f"impact_{what}", "S1") for what in ("peak", "rise", "impulse"))
     beside = f"(experiment: {peak:.3g}, other code: {other:.3g})"

@@ -20,7 +20,7 @@ STEP = 1e-3
 def rows() -> list[Row]:
     """Compare every property of every kernel, then every number of the tables."""
     with warnings.catch_warnings():
-        warnings.simplefilter("ignore")  # the warning that liu-quartic has negative values
+        warnings.simplefilter("ignore")  # hide the warning that liu-quartic has negative values
         every = [kernel(name, dim) for name in KERNELS for dim in (1, 2, 3)]
         properties = [row for one in every for row in (_integral(one), _moment(one), _slope(one))]
         return [*properties, *_reference(), *_published()]
@@ -40,12 +40,9 @@ def _moment(one: Kernel) -> Row:
 
 
 def _slope(one: Kernel) -> Row:
-    """The largest difference between the slope and central differences of the value, over the value
-    at zero.
+    """The largest difference between the slope and central differences of the value, over the value at zero.
 
-    Only between the knots of splines, where differences of sixth order are accurate.
-
-    Between the knots of the splines, where the differences of sixth order are exact enough.
+    Only points between the knots of splines are used, where differences of sixth order are accurate.
     """
     q = np.array([knot + part for knot in np.arange(0.0, one.support, 0.5) for part in (0.07, 0.19, 0.31, 0.43)])
     value = [np.asarray(one.value(q + n * STEP, 1.0)) for n in (-3, -2, -1, 1, 2, 3)]

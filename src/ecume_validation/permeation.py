@@ -1,4 +1,6 @@
-"""Liquid that permeates packings: Terzaghi's consolidation, and the start of dense and loose packings under stress."""
+"""Liquid that permeates packings: Terzaghi's consolidation, and the onset of flow of dense and loose packings under
+stress.
+"""
 
 from __future__ import annotations
 
@@ -33,7 +35,7 @@ def rows() -> list[Row]:
 
 
 def column() -> list[Row]:
-    """Settlement and pore pressures of a column, over the last settlement and the added load."""
+    """Settlement and pore pressures of a column, over the final settlement and the added load."""
     frames = {frame.time: frame for frame in simulate(case_scene("permeation", name="column"))}
     height = frames[0.0].numbers["top_y"]
     coefficient, last = consolidation(height)
@@ -59,8 +61,8 @@ def half_pressure(pressures: Array) -> float:
 
 
 def consolidation(height: float) -> tuple[float, float]:
-    """The coefficient of consolidation (m^2/s) at the first load, and the last settlement (m) of the added one: Hertz's
-    law F ~ d^(3/2) of contacts in series.
+    """The coefficient of consolidation (m^2/s) at the first load, and the final settlement (m) by the added load:
+    Hertz's law F ~ d^(3/2) of contacts in series.
     """
     force, spacing = PRESSURE * WIDTH, height / ROWS
     stiffness = 1.5 * force / (2.0 * RADIUS - spacing)
@@ -72,7 +74,7 @@ def consolidation(height: float) -> tuple[float, float]:
 
 
 def starts() -> list[Row]:
-    """The delays of a dense and of a loose packing, over those without permeation."""
+    """The delays of the onset of flow of a dense and of a loose packing, over those without permeation."""
     found = []
     for name, fraction in (("dense", 0.79), ("loose", 0.74)):
         scene = case_scene("permeation", [f"cell.volume_fraction={fraction}"], name="start")

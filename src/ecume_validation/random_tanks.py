@@ -1,5 +1,4 @@
-"""Still water in random tanks with discs, balls, boxes and slanted surfaces, which has to stay at
-rest.
+"""Still water in random tanks with discs, balls, boxes and slanted surfaces, which has to remain at rest.
 
 The result of each tank is stored as a piece: see `runner`.
 """

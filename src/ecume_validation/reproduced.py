@@ -1,7 +1,7 @@
 """Figures of papers, computed again: `ecume reproduce`.
 
-`REPRODUCED` is the table; start there. Each record names the paper and its figure, what is compared, and the function
-that draws it; `quick` uses few points or particles.
+Start with the table `REPRODUCED`. Each record contains the paper and its figure, the compared quantities, and the
+function that draws it; `quick` uses few points or particles.
 """
 
 from __future__ import annotations
@@ -88,7 +88,7 @@ def t1_durations(*, quick: bool = False) -> Figure:
 
 
 def draw_front(axis: Axes, run: dam.Broken, name: str = "ecume") -> None:
-    """Draw the front of a dam break beside that of another code."""
+    """Draw the front of a dam break, and that of another code."""
     early = run.times <= 2.4
     axis.plot(run.times[early], run.fronts[early], color=PALETTE[0], label=name)
     axis.plot(*dam.published("front", "wcsph-400"), "o", color=INK, markersize=4, label="SPH, H/400 (published)")
@@ -97,7 +97,7 @@ def draw_front(axis: Axes, run: dam.Broken, name: str = "ecume") -> None:
 
 
 def draw_levels(axis: Axes, run: dam.Broken) -> None:
-    """Draw the levels of a dam break at four gauges beside an experiment."""
+    """Draw the levels of a dam break at four gauges, and those of an experiment."""
     for number, (gauge, color) in enumerate(zip(dam.GAUGES, PALETTE, strict=False)):
         axis.plot(run.times, run.levels[:, number], color=color, label=gauge)
         times, depths = dam.published(f"level_{gauge}", "run-A")
@@ -214,7 +214,7 @@ REPRODUCED: dict[str, Reproduced] = {
 
 
 def described(record: Reproduced, command: str, version: str) -> str:
-    """The text beside a figure: its content, the paper, the data, and the command that draws it."""
+    """The text for a figure: its content, the paper, the data, and the command that draws it."""
     from ecume.citing import bibliography, in_words
 
     where = in_words(record.paper)

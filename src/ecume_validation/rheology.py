@@ -180,7 +180,7 @@ def rows_of_pieces(pieces: Sequence[Piece]) -> Iterator[Row]:
 
 
 def rows_of_sizes(pieces: Sequence[Piece], larger: Sequence[Piece]) -> Iterator[Row]:
-    """Rows on the stress with twice as many spheres, over the mean of the others over seeds."""
+    """Rows on the stress with twice as many spheres, over the mean of the other runs over seeds."""
     means = dict(zip(*means_over_seeds(pieces, lambda one: one.shear), strict=True))
     for one in larger:
         ratio = friction(one.shear, means[one.rate])
@@ -189,7 +189,7 @@ def rows_of_sizes(pieces: Sequence[Piece], larger: Sequence[Piece]) -> Iterator[
 
 
 def friction_curve(pieces: Sequence[Piece]) -> CurveFit:
-    """The fit of a power law of the viscous number J = eta rate d/P to the friction above that of the slowest flows."""
+    """The fit of a power law of the viscous number J = eta rate d/P to the friction minus that of the slowest flows."""
     rates, shears = means_over_seeds(pieces, lambda one: one.shear)
     _, pressures = means_over_seeds(pieces, lambda one: one.pressure)
     numbers = [viscous_number(LIQUID, rate, one.value / DIAMETER) for rate, one in zip(rates, pressures, strict=True)]
@@ -216,7 +216,9 @@ def scene_of(rate: float, seed: int, spheres: int = SPHERES) -> Scene:
 
 
 def units(strain: float = 0.5) -> Row:
-    """A row on the final stress of a short run, in its unit, after multiplication of modulus, lengths and viscosity."""
+    """A row on the final stress of a short run, over its unit, when modulus, lengths and viscosity are multiplied by
+    factors.
+    """
     first, second = (final_stress(strain, factors) for factors in ((1.0, 1.0, 1.0), (MODULUS, LENGTH, VISCOSITY)))
     return within("stress in other units of E, R and η", second / (MODULUS * LENGTH) / first, 1.0, 1e-6)
 

@@ -1,10 +1,10 @@
-"""The scenes, tables and runs of validation cases; scenes and tables are in `data/CASE`.
+"""The scenes, tables, runs and rows of validation cases; scenes and tables are in `data/CASE`.
 
 Long cases store the result of each finished run, a piece, in a folder of the working directory. The name of a piece
 contains the digests of its scene and of the code behind its numbers: an interrupted case continues with missing pieces,
 and after a change of the model all are computed again.
 
-The rows of a comparison: one for each number, and the ways to judge it.
+Each row compares one number, with a tolerance or a bound.
 """
 
 from __future__ import annotations
@@ -59,7 +59,7 @@ def frames_of(case: str, changes: Sequence[str] = ()) -> Iterator[Frame]:
 
 
 def kept_values(scene: Scene, folder: Path, compute: Callable[[], Sequence[Any]]) -> list[Any]:
-    """The stored values for a scene, in JSON, or those computed now."""
+    """The stored values for a scene, in JSON, or newly computed ones."""
     made_from = digest_of(compute.__module__)
     path = folder / f"{digest(scene)}-{made_from[:16]}.json"
     if not path.is_file():
@@ -79,7 +79,7 @@ def digest(scene: Scene) -> str:
 
 
 class Row(NamedTuple):
-    """A computed number beside the expected one."""
+    """A computed number with the expected one."""
 
     name: str
     computed: float
@@ -92,7 +92,7 @@ class Row(NamedTuple):
 
     @property
     def met(self) -> bool:
-        """Whether the computed number is as expected; NaN never is."""
+        """Whether the computed number agrees with the expected one; never for NaN."""
         return bool(KINDS[self.kind](self))
 
 

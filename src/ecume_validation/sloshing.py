@@ -71,8 +71,8 @@ def rise(deep: int, changes: Sequence[str] = ()) -> Rise:
 
 
 def _difference(frame: Frame, scene: SphScene) -> float:
-    """Half of the level difference. A gauge in a wall sees half of its surroundings, so that the level is twice its
-    value.
+    """Half of the level difference. Half of the surroundings of a gauge in a wall is outside, so that the level is
+    twice its value.
     """
     left, right = water_level(frame, np.array([scene.tank.low[0], scene.tank.high[0]]), REACH * scene.spacing)
     return float(left - right)

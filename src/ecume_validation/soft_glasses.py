@@ -91,15 +91,16 @@ def film_number(piece: Piece) -> float:
     """The number K = (eta rate/E) (P/(E R))^(-2/3), which determines the ratio of tangential to normal forces in a
     film.
 
-    Sliding with u transmits T ~ sqrt(eta u N a). In a Hertzian contact a ~ R (N/(E R^2))^(1/3); with u ~ rate R and
-    N ~ P R in 2D, T/N ~ sqrt(eta u a/N) ~ sqrt(K). At constant area the pressure, and with it N, grows with the rate.
+    Sliding with the speed u transmits the force T ~ sqrt(eta u N a). In a Hertzian contact a ~ R (N/(E R^2))^(1/3);
+    with u ~ rate R and N ~ P R in 2D, T/N ~ sqrt(eta u a/N) ~ sqrt(K). At constant area the pressure, and therefore N,
+    increases with the rate.
     """
     pressure = piece.pressure.value / (MODULUS * RADIUS)
     return VISCOSITY * piece.rate / MODULUS / math.cbrt(pressure) ** 2
 
 
 def friction_curve(pieces: Sequence[Piece]) -> CurveFit:
-    """The fit of a power law of the film number to the friction above that of the slowest flows, at all volume
+    """The fit of a power law of the film number to the friction minus that of the slowest flows, for all volume
     fractions together.
     """
     ordered = sorted(pieces, key=film_number)

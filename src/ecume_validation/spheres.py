@@ -47,7 +47,7 @@ def passages(prefactors: str) -> Iterator[Row]:
 
 
 def _end(begin: float, end: float, force: float, prefactors: str) -> float:
-    """The simulated gap at the time at which it should be `end`."""
+    """The simulated gap at the time at which the exact gap is `end`."""
     films = FilmSpec(prefactors=prefactors)
     pull = math.copysign(force, end - begin)
     time = passage_time(SoftPair(1.0, 1.0, force, prefactors_of(films)), pull, begin, end)
@@ -145,8 +145,8 @@ def _course_at(found: T1, time: float) -> list[float]:
 
 
 def limits() -> Iterator[Row]:
-    """Compare the rigid limit of the duration, and the deep Hertz regime, where it is nearly the time to separate two
-    spheres.
+    """Compare the rigid limit of the duration, and the deep Hertz regime, in which the duration is nearly the time to
+    separate two spheres.
     """
     rigid = t1_process(gap=0.1, reduced_force=1e-6).duration
     yield within("h0/R = 0.1, rigid: T/t_P - ln(R/h0)", (rigid - 0.005) / (1.5 * math.pi) + math.log(0.1), 2.5, 2e-3)
@@ -232,7 +232,7 @@ def packing_rows() -> list[Row]:
 
 
 def rows_of(name: str, piece: Piece, strain: float = STRAIN) -> Iterator[Row]:
-    """Rows on one run. If it ended too early, its numbers are NaN, and the rows fail."""
+    """Rows on one run. If the run ended too early, its numbers are NaN, and the rows fail."""
     yield within(f"{name}: strain", piece.strain, strain, 1e-9 * strain)
     yield above(f"{name}: smallest pressure (N/m)", piece.least_pressure, 0.0)
     yield below(f"{name}: force left on a sphere", piece.largest_imbalance, BALANCE)
@@ -240,7 +240,7 @@ def rows_of(name: str, piece: Piece, strain: float = STRAIN) -> Iterator[Row]:
 
 
 def stationary(template: str, factor: float, pieces: Sequence[Piece]) -> Row:
-    """Compare the mean shear stress over the second half of the strain with that over the quarter before it: their
+    """Compare the mean shear stress over the second half of the strain with that over the preceding quarter: their
     ratio, averaged over seeds.
 
     Blocks of a quarter are shorter than the correlation of a small packing, so that the scatter over seeds is included.
@@ -251,7 +251,7 @@ def stationary(template: str, factor: float, pieces: Sequence[Piece]) -> Row:
 
 
 def change(piece: Piece) -> Mean:
-    """The later mean stress over the earlier one."""
+    """The ratio of the later mean stress to the earlier one."""
     ratio = piece.late.value / piece.early.value
     return Mean(ratio, ratio * math.hypot(piece.late.error / piece.late.value, piece.early.error / piece.early.value))
 

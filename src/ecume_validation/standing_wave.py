@@ -1,5 +1,5 @@
-"""A standing wave in a viscous liquid: frequency and decay beside the exact roots, by default and with gradients that
-are completed at the free surface.
+"""A standing wave in a viscous liquid: frequency and decay compared with the exact roots, with default gradients and
+with gradients that are completed at the free surface.
 """
 
 from __future__ import annotations
@@ -69,7 +69,7 @@ def _rows(name: str, computed: Decay, exact: Decay, deep: int) -> list[Row]:
 
 
 def wave(reynolds: float, deep: int) -> Decay:
-    """The decay and frequency that fit a run best."""
+    """The decay and frequency that best fit a run."""
     return fitted(*heights(reynolds, deep))
 
 
@@ -82,7 +82,7 @@ def heights(reynolds: float, deep: int, changes: Sequence[str] = ()) -> tuple[Ar
 
 
 def fitted(times: Array, found: Array) -> Decay:
-    """Rate and frequency of h = A exp(-d t) sin(w t + p), by least squares, from 1/4 of a period on."""
+    """Rate and frequency of h = A exp(-d t) sin(w t + p), by least squares, from a quarter of a period on."""
 
     def swing(time: Array, size: float, rate: float, frequency: float, phase: float) -> Array:
         damped: Array = size * np.exp(-rate * time) * np.sin(frequency * time + phase)

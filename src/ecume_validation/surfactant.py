@@ -1,7 +1,7 @@
 """Floats that release surfactant, such as camphor discs: the case `surfactant`.
 
-Speeds and forces on the grid beside closed forms on an infinite surface, bound states, and the published dependence of
-the speed on the radius.
+Speeds and forces on the grid are compared with closed forms on an infinite surface, and with bound states; the
+dependence of the speed on the radius is compared with the published one.
 """
 
 from __future__ import annotations
@@ -35,7 +35,9 @@ SPACINGS = (7.5e-4, 3.75e-4)
 
 
 def surfactant_rows() -> list[Row]:
-    """A lone disc, its dependence on the radius, a bound pair of sources, and a source with an inert float."""
+    """Compare a single disc, the dependence on its radius, a bound pair of sources, and a source with an inert
+    float.
+    """
     return [*lone_disc(), *sizes(), *bound_sources(), *source_and_inert_float()]
 
 
@@ -48,7 +50,7 @@ def surfactant(loss_rate: float, spacing: Length, release: float, species: str =
 
 
 def lone_disc() -> Iterator[Row]:
-    """The speed on two grids over that in closed form."""
+    """The speed of a single disc on two grids, over that in closed form."""
     coarse, fine = (1.0 - swimming(spacing) for spacing in SPACINGS)
     yield within("lone disc, 4 cells per radius: speed over the closed form", 1.0 - fine, 1.0, 0.05)
     yield below("lone disc, 4 cells per radius: error of the speed over that with 2", fine / coarse, 0.5)
@@ -93,13 +95,13 @@ def exponent(speeds: list[float]) -> float:
 
 
 def stokes_speed(radius: Length) -> float:
-    """The speed of a disc with one wet side (m/s), where the surfactant is not lost."""
+    """The speed (m/s) of a disc with one wet side, without loss of surfactant."""
     drive = SLOPE * PER_AREA * math.pi * radius**2
     return camphor.swimming_speed(disc_friction(radius, VISCOSITY), radius, drive, 1e-8, 0.0)
 
 
 def fast_speed(radius: Length) -> float:
-    """The same with a drag that grows with the Reynolds number of the disc."""
+    """The speed (m/s) of such a disc with a drag that depends on its Reynolds number."""
     drive = SLOPE * PER_AREA * math.pi * radius**2
     return camphor.swimming_speed(disc_friction(radius, VISCOSITY), radius, drive, 1e-8, 0.0, DENSITY / VISCOSITY)
 
@@ -109,7 +111,7 @@ RADIUS_OF_PAIR, BOUND, SHORT, FINE = 1e-3, 3.5e-3, 100.0, 2.5e-4
 
 
 class Pair(NamedTuple):
-    """Two equal spheres on a viscous liquid; the first one releases surfactant, or both do."""
+    """Two equal spheres on a viscous liquid; one or both release surfactant."""
 
     density: float
     both: bool
@@ -118,7 +120,7 @@ class Pair(NamedTuple):
     duration: float
 
     def scene(self, release: float) -> Any:
-        """In a dish with a level surface."""
+        """The scene of the pair in a dish with a level surface."""
         sphere = {"radius": RADIUS_OF_PAIR, "density": self.density, "contact_angle": LEVEL}
         spheres = [{**sphere, "name": name, "positions": [place]}
                    for name, place in zip(("source", "inert"), self.start.tolist(), strict=True)]  # fmt: skip
@@ -130,7 +132,7 @@ class Pair(NamedTuple):
         })  # fmt: skip
 
     def release(self) -> tuple[float, float]:
-        """The release that binds them at `BOUND` (kg/s), and its ratio to that at which a lone sphere swims.
+        """The release at which they are bound at `BOUND` (kg/s), and its ratio to that at which a single sphere swims.
 
         Two sources: their repulsion balances the attraction F of their menisci. A source and an inert sphere move at a
         speed v with F = (zeta - f) v, where f v is the propulsion of the source, and repulsion - F = zeta v.
@@ -149,7 +151,7 @@ class Pair(NamedTuple):
         return times * attraction / per_release, ratio
 
     def tracks(self) -> Array:
-        """(frames, 2, 2) m."""
+        """The positions over time, (frames, 2, 2) m."""
         return np.array([frame.arrays["position"] for frame in simulate(self.scene(self.release()[0]))])
 
 
@@ -159,7 +161,9 @@ def apart(tracks: Array) -> Array:
 
 
 def bound_sources() -> Iterator[Row]:
-    """Two sources that repel by surfactant and attract by menisci: their distance, from both sides."""
+    """Compare the distance of two sources that repel by surfactant and attract by menisci, approached from both
+    sides.
+    """
     for start in (2.6e-3, 4.2e-3):
         pair = Pair(3000.0, True, np.array([[-0.5 * start, 0.0], [0.5 * start, 0.0]]), 2.0)
         name = f"two sources from {1e3 * start:g} mm: bound distance over the closed form"
@@ -167,7 +171,7 @@ def bound_sources() -> Iterator[Row]:
 
 
 def source_and_inert_float() -> Iterator[Row]:
-    """Compare the motion of a source and an inert sphere: the source alone is at rest, the pair swims with the inert
+    """Compare the motion of a source and an inert sphere: a single source is at rest; the pair swims with the inert
     sphere in front.
     """
     source, heading = np.array([-2e-3, -1e-3]), np.array([math.cos(0.4), math.sin(0.4)])

@@ -65,7 +65,7 @@ FLOWS = (*DIVERGING["frictionless"], *DIVERGING["frictional"], *THICKENING)
 
 
 def piece(flow: Flow, folder: Path = FOLDER) -> Piece:
-    """A stored piece, or one that is computed now; to twice the strain if it is not stationary."""
+    """A stored piece, or one that is computed now; if it is not stationary, up to twice the strain."""
     found = kept(scene_of(flow), flow.rate, folder)
     return found if found.settled else kept(scene_of(flow, 2.0 * STRAIN), flow.rate, folder)
 
@@ -136,8 +136,8 @@ def published_friction(number: float) -> float:
 
 
 def friction_point(piece: Piece) -> tuple[Mean, Mean]:
-    """J and mu of a piece: the shear stress including that of the liquid, over the normal stress across the shear
-    planes.
+    """The viscous number J and the friction mu of a piece: the shear stress including that of the liquid, over the
+    normal stress across the shear planes.
     """
     pressure = piece.pressure.value + 0.5 * piece.first_difference.value
     error = math.hypot(piece.pressure.error, 0.5 * piece.first_difference.error) / pressure
@@ -160,7 +160,7 @@ def pressure_viscosity(piece: Piece) -> Mean:
 
 
 def jamming(pieces: Mapping[Flow, Piece], law: str, diverging: Callable[[Piece], Mean] = viscosity) -> Divergence:
-    """The volume fraction at which a viscosity diverges; the exponent is fitted, too."""
+    """The volume fraction at which a viscosity diverges; the exponent is fitted as well."""
     flows = DIVERGING[law]
     fractions = np.array([flow.fraction for flow in flows])
     return viscosity_divergence(fractions, [diverging(pieces[flow]) for flow in flows])

@@ -61,7 +61,7 @@ def run(changes: Sequence[str]) -> list[Rest]:
 
 
 def rest(frame: Frame) -> Rest:
-    """Measure a frame: depth, density and gravity are 1."""
+    """The measurements of a frame, with depth, density and gravity equal to 1."""
     height, pressure = frame.arrays["position"][:, 1], frame.arrays["pressure"]
     error = pressure - (1.0 - height)
     inside = (frame.arrays["position"] > 0.0).all(axis=1) & (frame.arrays["position"][:, 0] < 1.0)
@@ -83,7 +83,7 @@ def column(height: Array, load: float) -> Array:
 
 
 def rows_of(name: str, frames: Sequence[Rest]) -> list[Row]:
-    """Rows on a run; all but the counts are means over its last quarter."""
+    """Rows on a run; all except the counts are means over its last quarter."""
     late, last = last_quarter(frames), frames[-1]
     shift = abs(_mean(frame.center for frame in late) - frames[0].center)
     return [
@@ -104,7 +104,7 @@ def creep(frames: Sequence[Rest]) -> float:
 
 
 def lasting(frames: Sequence[Rest]) -> float:
-    """The displacement of the center of mass in the last quarter, over that in the one before."""
+    """The displacement of the center of mass in the last quarter, over that in the quarter before."""
     quarter = len(last_quarter(frames))
     return creep(frames) / abs(frames[-quarter - 1].center - frames[-2 * quarter].center)
 

@@ -1,5 +1,5 @@
-"""The tank at rest with other walls, diffusions and kernels: which of them keep the liquid at rest,
-and which do not.
+"""The tank at rest with other walls, diffusions and kernels: schemes that keep the liquid at rest, and schemes that do
+not.
 """
 
 from __future__ import annotations
@@ -43,7 +43,7 @@ FAILING: dict[str, Sequence[str]] = {
 def rows() -> list[Row]:
     """Compare each scheme that keeps the liquid at rest, and each that does not."""
     with warnings.catch_warnings():
-        warnings.simplefilter("ignore")  # the warning that liu-quartic has negative values
+        warnings.simplefilter("ignore")  # hide the warning that liu-quartic has negative values
         held = [row for name, changes in HOLDING.items() for row in holding(name, changes)]
         return [*held, *(failing(name, changes) for name, changes in FAILING.items())]
 

@@ -90,7 +90,7 @@ def wedges() -> list[Row]:
 
 
 def circle() -> list[Row]:
-    """Compare a thousand chords of a circle, and chords that shorten."""
+    """Compare a thousand chords of a circle, and chords that become shorter."""
     traced = walls.trace([(0.3, 0.1)], [(0.7, 0.6)], 3000.0, walls.disc((0.0, 0.0), 1.0))
     spin = 0.3 * 0.6 - 0.1 * 0.7
     angle = np.arctan2(traced.place[:, 1], traced.place[:, 0])
@@ -113,7 +113,7 @@ def circle() -> list[Row]:
 
 
 def reversal() -> list[Row]:
-    """Compare a path forth and back in a heptagon under gravity."""
+    """Compare a path and its reversal in a heptagon under gravity."""
     rng = np.random.default_rng(5)
     heptagon = walls.polygon([(math.cos(a), math.sin(a)) for a in 2.0 * math.pi * np.arange(7) / 7])
     start, speed = rng.uniform(-0.5, 0.5, (1000, 2)), rng.normal(size=(1000, 2))
@@ -123,7 +123,7 @@ def reversal() -> list[Row]:
 
 
 def nobody_outside() -> list[Row]:
-    """Many particles in three tanks, with and without restitution."""
+    """Compare the smallest clearance of many particles in three tanks, with and without restitution."""
     heptagon = walls.polygon([(math.cos(a), math.sin(a)) for a in 2.0 * math.pi * np.arange(7) / 7])
     obstacle = walls.outside(walls.polygon([(-0.3, -0.3), (0.4, -0.2), (0.0, 0.3)]))
     tanks = {
@@ -140,7 +140,7 @@ def nobody_outside() -> list[Row]:
 
 
 def crowded(tank: Surfaces, restitution: float) -> float:
-    """The least clearance of many particles that are stirred and fall."""
+    """The smallest clearance of many particles that are agitated and fall."""
     rng, d = np.random.default_rng(11), tank.dimension
     candidates = rng.uniform(-0.69, 0.69, (2 * KEEPS_SCENE_ORDER, d))
     position = candidates[walls.clearance(candidates, tank)[0] > 0.0][:KEEPS_SCENE_ORDER]

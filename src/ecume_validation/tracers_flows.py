@@ -50,8 +50,10 @@ def frames_of(plain: dict[str, Any]) -> list[Frame]:
 
 
 def variance(time: Array, peclet: float, modes: tuple[Array, Array]) -> Array:
-    """The variance along the flow over 2 D t at times over the width squared over D, exact for a uniform start: 1 + sum
-    of (U H/D)^2 c (1 - (1 - exp(-l t))/(l t))/l; modes = (c, l), the shares of the velocity's variance over U^2, and
+    """The variance along the flow over 2 D t, exact for a uniform start: 1 + sum of (U H/D)^2 c (1 - (1 - exp(-l t))/(l
+    t))/l.
+
+    Times are over H^2/D with the width H; modes = (c, l) are the shares of the variance of the velocity over U^2, and
     the decay rates over D/H^2. [aris1956].
     """
     share, rate = modes
@@ -61,13 +63,13 @@ def variance(time: Array, peclet: float, modes: tuple[Array, Array]) -> Array:
 
 
 def slit_modes() -> tuple[Array, Array]:
-    """The modes of flow between plates: 18/(pi k)^4 and (2 pi k)^2."""
+    """The modes of a flow between plates: 18/(pi k)^4 and (2 pi k)^2."""
     k = np.arange(1.0, 60.0)
     return 18.0 / (math.pi * k) ** 4, (2.0 * math.pi * k) ** 2
 
 
 def tube_modes() -> tuple[Array, Array]:
-    """The modes of flow in a tube, over its radius: 64/b^4 and b^2, with the zeros b of J1."""
+    """The modes of a flow in a tube, with its radius as the width: 64/b^4 and b^2, with the zeros b of J1."""
     from scipy.special import jn_zeros
 
     b = jn_zeros(1, 60)
@@ -247,8 +249,8 @@ ORBITS = 900
 
 
 def suspended(shape: float, x: Array) -> Any:
-    """Whether particles without inertia stay in a cell, at phases x (N, 2) in it: on the closed paths around the point
-    where the liquid rises at their settling speed; shape = W/U.
+    """Whether particles without inertia stay in a cell, at phases x (N, 2) in it: this holds on the closed paths around
+    the point where the liquid rises at their settling speed; shape = W/U.
 
     Along a path sin(kx) sin(kz) + (W/U) kx is constant; the outermost closed path ends where kx = pi. [maxey1987].
     """
@@ -256,8 +258,8 @@ def suspended(shape: float, x: Array) -> Any:
 
 
 def in_cells(ratio: float, relaxation: float, starts: Array, time: float, integration: dict[str, Any]) -> Array:
-    """How far particles settle (m) in cells with k = U = 1, W = `ratio` and a relaxation time, in a gas so light that
-    only drag acts.
+    """The distance (m) by which particles settle in cells with k = U = 1, W = `ratio` and a relaxation time, in a gas
+    so light that only drag acts.
     """
     radius, density, side = 1e-3, 1e4, 2.0 * math.pi
     viscosity = 2.0 / 9.0 * density * radius**2 / relaxation
@@ -274,7 +276,7 @@ def in_cells(ratio: float, relaxation: float, starts: Array, time: float, integr
 
 
 def orbits() -> list[Row]:
-    """Compare which particles without inertia stay suspended in cells, and their share of the area."""
+    """Compare the particles without inertia that stay suspended in cells, and their share of the area."""
     from scipy.integrate import quad
 
     steps, found = math.isqrt(ORBITS), []
@@ -320,8 +322,8 @@ def expelled() -> list[Row]:
 
 
 def spirals() -> list[Row]:
-    """Compare how fast particles leave or approach the point of a cell where they are in equilibrium, with the
-    eigenvalues of the linear equation of motion: heavy ones leave it, light ones are trapped.
+    """Compare the rates at which particles leave or approach their equilibrium in a cell with the eigenvalues of the
+    linear equation of motion: heavy ones leave it, light ones are trapped.
     """
     return [spiral(density) for density in (2000.0, 1050.0, 500.0)]
 
@@ -399,10 +401,10 @@ def grazing(stokes: float, start: float) -> float:
 
 
 def held_by_a_cylinder(stokes: float, count: int) -> float:
-    """Return the share of particles, over the radius ahead of a cylinder in ideal flow, which it holds."""
+    """The share of particles, within the radius ahead of a cylinder in ideal flow, that the cylinder collects."""
     size, speed, viscosity = 1e-3, 1.0, 1e-3
     radius, time = 1e-5 * size, (2.0 - FAR) * size / speed
-    # Point-like particles: their density gives the Stokes number.
+    # Pointlike particles, whose density determines the Stokes number.
     density = stokes * size / speed * drag.stokes_friction(radius, viscosity, 1.0) / (4.0 / 3.0 * math.pi * radius**3)
     heights = ((np.arange(count) + 0.5) / count * size).tolist()
     velocities = [

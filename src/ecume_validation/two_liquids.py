@@ -112,7 +112,7 @@ def heights(count: int, densities: tuple[float, float], duration: float, seed: i
 
 
 def bend(state: State) -> None:
-    """Displace particles as small waves of potential flow do."""
+    """Displace particles as in small waves of potential flow."""
     x, y = state.position.copy()
     below_it = y < HALF
     way = WAVENUMBER * np.where(below_it, y, 2.0 * HALF - y)
@@ -130,25 +130,25 @@ def harmonic(frame: Frame) -> float:
 
 
 def swing(time: Array, a: float, b: float, frequency: float, rate: float) -> Array:
-    """A wave that decays."""
+    """A wave that decays, as a function of time."""
     swung: Array = np.exp(-rate * time) * (a * np.cos(frequency * time) + b * np.sin(frequency * time))
     return swung
 
 
 def growth(time: Array, size: float, rate: float) -> Array:
-    """An instability from rest."""
+    """An instability that grows from rest, as a function of time."""
     grown: Array = size * np.cosh(rate * time)
     return grown
 
 
 def fitted(law: Callable[..., Array], times: Array, height: Array, start: tuple[float, ...]) -> Array:
-    """The parameters that fit best."""
+    """The parameters with which a function of time fits best."""
     best: Array = curve_fit(law, times, height, start)[0]
     return best
 
 
 def bubble() -> list[Row]:
-    """Compare center, velocity and circularity with the finest grid of one of the groups."""
+    """Compare center, velocity and circularity with the finest grid of a published group."""
     scene = case_scene("two_liquids", (), "bubble")
     frames = list(simulate(scene))
     spacing: float = scene.spacing  # type: ignore[union-attr]

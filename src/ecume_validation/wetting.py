@@ -27,13 +27,15 @@ def rows() -> list[Row]:
 
 
 def height(frames: Sequence[Frame]) -> float:
-    """The height of the liquid's center above the plate (m), mean over the last quarter."""
+    """The height of the center of the liquid above the plate (m), averaged over the last quarter."""
     late = frames[3 * len(frames) // 4 :]
     return float(np.mean([frame.arrays["position"][:, 1].mean() for frame in late]))
 
 
 def drops_on_a_plate() -> list[Row]:
-    """Compare drops without gravity: the angle of the circular segment whose centroid has the same height."""
+    """Compare the contact angles of drops without gravity: the angle of the circular segment whose centroid has the
+    same height.
+    """
     found = []
     for walls, angles in (("mirror", (30, 60, 90, 120, 150)), ("dummy", (60, 120))):
         for angle in angles:
@@ -63,7 +65,9 @@ def cap_height(angle: float) -> float:
 
 
 def heavy_drops() -> list[Row]:
-    """Compare drops under gravity: the angle of the Young-Laplace profile whose centroid has the same height."""
+    """Compare the contact angles of drops under gravity: the angle of the Young-Laplace profile whose centroid has the
+    same height.
+    """
     found = []
     for angle in (60, 120):
         changes = [f"liquid.contact_angle={angle} deg", f"gravity=[0.0, -{WEIGHT}]"]
@@ -111,7 +115,7 @@ def rise() -> list[Row]:
 
 
 def difference(frame: Frame) -> float:
-    """The level in the narrow gap, less that in the wide one (m)."""
+    """The level in the narrow gap minus that in the wide one (m)."""
     x, y = frame.arrays["position"].T
     high = (y > 1.5e-3) * frame.arrays["mass"] / DENSITY
     return float(high[x < 1e-3].sum() / 1e-3 - high[x > 1.5e-3].sum() / 3e-3)

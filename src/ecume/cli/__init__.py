@@ -1,9 +1,8 @@
 """The command line: verbs, their help, and the end of each.
 
-Start with the verbs: `scenes`, `runs`, `movies`, `plots`, `exports`, `browser`, `sweeps`, `fits`,
-`comparisons`; each lists its own in `VERBS`.
-`output` prints, `progress` reports, and `endings` turns errors into messages and exit codes. Nothing heavy is imported
-before a verb runs, so that `ecume --help` answers at once.
+Start with the verbs: `scenes`, `runs`, `movies`, `plots`, `exports`, `browser`, `sweeps`, `fits`, `comparisons`; each
+lists its own in `VERBS`. `output` prints, `progress` reports, and `endings` converts errors to messages and exit codes.
+Slow modules are imported only when a verb runs, so that `ecume --help` is fast.
 """
 
 from __future__ import annotations

@@ -137,7 +137,7 @@ def validate(
 
 
 def _chosen(names: Sequence[str], known: Mapping[str, One], kind: str, *, everything: bool) -> list[One]:
-    """The cases or benchmarks of these names, each once; by default, all of them."""
+    """The cases or benchmarks with these names, each once; by default, all of them."""
     from ecume.scenes.faults import suggestion
 
     if names and everything:
@@ -166,7 +166,7 @@ def _compared(case: Case, record: Path | None, *, shown: bool) -> dict[str, Any]
     if record is not None:
         from ecume.made_from import digest_of
 
-        # Processor time: wall time depends on other processes.
+        # Processor time, since wall time depends on other processes.
         seconds, made_from = time.process_time() - worked, digest_of(case.module, case.name)
         keep(record, case.name, {"made_from": made_from, "seconds": seconds, "rows": plain})
     return {"case": case.name, "met": bool(rows) and met == len(rows), "rows": plain}
@@ -286,7 +286,7 @@ def bench(
 
 
 def folder() -> Path:
-    """The folder of the benchmark scripts: inside the installed package, or beside `src` in a checkout."""
+    """The folder of the benchmark scripts: in the installed package, or next to `src` in a checkout."""
     from ecume.made_from import scripts_of
 
     if not (found := scripts_of()).is_dir():

@@ -1,4 +1,4 @@
-"""The end of a command: messages on stderr, and exit codes."""
+"""Endings of commands: messages on stderr, and exit codes."""
 
 from __future__ import annotations
 
@@ -39,10 +39,10 @@ WORDINGS = (
 
 
 class Ending(typer.core.TyperGroup):
-    """The group of all commands. Usage errors become messages; a defect of ecume keeps its traceback."""
+    """The group of all commands. Usage errors become messages; defects of ecume keep their traceback."""
 
     def make_context(self, *arguments: Any, **options: Any) -> Any:
-        """Read the options before the command."""
+        """Parse the options, before the command runs."""
         with _usage_errors_as_messages():
             return super().make_context(*arguments, **options)
 
@@ -73,7 +73,7 @@ def _usage_errors_as_messages() -> Iterator[None]:
         yield
     except USAGE_ERROR as error:
         context: Any = getattr(error, "ctx", None)
-        if type(error).__name__ == "NoArgsIsHelpError":  # the message is the help
+        if type(error).__name__ == "NoArgsIsHelpError":  # the error message is the help text
             raise
         message: Any = getattr(error, "format_message")  # noqa: B009  # an attribute of the usage errors alone
         say(f"{_in_style(message())}; see {context.command_path if context else 'ecume'} --help")

@@ -88,8 +88,8 @@ def frame_interval(directory: Path) -> float:
 
 
 def pace(speed: float, interval: float) -> tuple[int, int]:
-    """The pictures per second of a movie with this speed over real time, and the number of frames from picture to
-    picture.
+    """The pictures per second of a movie with this speed relative to real time, and the number of frames from picture
+    to picture.
 
     >>> pace(0.5, 0.02), pace(1.0, 0.001), pace(0.01, 0.002)
     ((25, 1), (59, 17), (5, 1))
@@ -102,7 +102,7 @@ def pace(speed: float, interval: float) -> tuple[int, int]:
 
 
 def eye(azimuth: float | None, elevation: float | None) -> Any:
-    """The viewpoint; None where neither angle was given."""
+    """The viewpoint; None if neither angle is given."""
     from ecume.show.picture import Eye
 
     asked = {"azimuth": azimuth, "elevation": elevation}

@@ -1,4 +1,4 @@
-"""Options and arguments whose help states the default in words, where it is not obvious."""
+"""Options and arguments whose help text describes the default in words if it is not obvious."""
 
 from __future__ import annotations
 
@@ -8,10 +8,10 @@ import typer
 
 
 def option(*names: str, **settings: Any) -> Any:
-    """An option whose help shows no further default."""
+    """An option whose help does not show the default automatically."""
     return typer.Option(*names, show_default=False, **settings)
 
 
 def argument(**settings: Any) -> Any:
-    """An argument whose help shows no further default."""
+    """An argument whose help does not show the default automatically."""
     return typer.Argument(show_default=False, **settings)

@@ -35,7 +35,7 @@ and lone surrogates, which no terminal can print.
 
 
 def cleaned(text: str) -> str:
-    r"""Text without characters that act on a terminal, for titles, names and messages from files.
+    r"""Text without control characters, for titles, names and messages from files.
 
     >>> cleaned("a\x1b[31mred")
     'a[31mred'
@@ -67,7 +67,7 @@ Record = Annotated[Path | None, option("--record", metavar="FILE", help="Also wr
 
 
 def require_record(path: Path | None) -> None:
-    """Raise StorageError before anything is computed for a record that cannot be read, or not be written there."""
+    """Raise StorageError, before anything is computed, for a record that cannot be read or written at this path."""
     from ecume.trajectories.records import json_of
 
     if path is not None:
@@ -77,8 +77,8 @@ def require_record(path: Path | None) -> None:
 
 
 def require_writable(path: Path, folder: Path) -> None:
-    """Raise StorageError before anything is computed for a file that could not be written: in this folder, in which the
-    others on its path will be made.
+    """Raise StorageError, before anything is computed, for a file that cannot be written in this folder, in which
+    missing folders of its path are created.
     """
     import tempfile  # not needed by `ecume --help`
 
@@ -99,7 +99,8 @@ def keep(path: Path, name: str, entry: dict[str, Any]) -> None:
     if hasattr(os, "getloadavg"):
         machine["load"] = round(os.getloadavg()[0], 1)
     machine |= commit()
-    known = json_of(path) if path.exists() else {}  # read last: another process may record beside this one
+    # Read immediately before writing, since another process may record at the same time.
+    known = json_of(path) if path.exists() else {}
     known[name] = {"date": datetime.datetime.now(datetime.UTC).date().isoformat(), **machine, **entry}
     write_json(path, dict(sorted(known.items())))
 

@@ -475,7 +475,9 @@ def _wall_time(sessions: Sequence[dict[str, Any]]) -> str:
 
 
 def replacements(manifest: dict[str, Any]) -> list[str]:
-    """A text on frames that were replaced because another processor or other versions computed them with other bits."""
+    """A text on frames that were replaced because they had other bits when computed by another processor or other
+    versions.
+    """
     found = [session["replaced"] for session in manifest.get("sessions", []) if "replaced" in session]
     return [
         f"from frame {one['frame']} (t = {one['time']:g} s) on, which differed in {one['difference']} "

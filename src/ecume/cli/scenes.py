@@ -37,8 +37,8 @@ Ranks = Annotated[
 
 @contextlib.contextmanager
 def integrating(engine: str | None, ranks: int | None, directory: Path | None = None) -> Iterator[Engine | None]:
-    """A context with the selected engine, or with that of the run in this directory. Raises BadInput if it is not
-    installed.
+    """A context with the selected engine, or with that of the run in this directory. Raises BadInput if the engine is
+    not installed.
     """
     from ecume.models.model import LAMMPS, LOCAL
 
@@ -57,7 +57,7 @@ def integrating(engine: str | None, ranks: int | None, directory: Path | None = 
 
 
 def _engine_of(directory: Path | None) -> str:
-    """The engine of a run; that of ecume for a new one."""
+    """The engine of a run; for a new run, that of ecume."""
     from ecume.models.model import LOCAL
 
     if directory is None:
@@ -78,20 +78,20 @@ own_process: list[bool] = []
 
 
 def without_compiler(scene: Scene) -> None:
-    """Disable compilation if the check of a scene needs little computation and the process ends afterwards."""
+    """Disable compilation if the check of a scene requires little computation and the process ends after it."""
     if own_process and "ecume._jit" not in sys.modules and is_small(scene):
         os.environ["NUMBA_DISABLE_JIT"] = "1"
 
 
 def without_compiler_for(directory: Path) -> None:
-    """Disable compilation for pictures and figures of a run that need little computation. Pictures of tanks sum over
-    all particles, and the surface around multipoles over all terms.
+    """Disable compilation for pictures and figures of a run that require little computation. Pictures of tanks require
+    sums over all particles, and the surface around multipoles sums over all terms.
     """
     if own_process and "ecume._jit" not in sys.modules:
         from ecume.errors import EcumeError
         from ecume.trajectories.reader import open_trajectory
 
-        with contextlib.suppress(EcumeError, OSError):  # the code that draws reports it
+        with contextlib.suppress(EcumeError, OSError):  # reported by the code that draws
             scene = open_trajectory(directory).scene
             method = getattr(getattr(scene, "interaction", None), "method", "")
             if scene is not None and scene.model != "sph" and method != "multipole":
@@ -99,7 +99,7 @@ def without_compiler_for(directory: Path) -> None:
 
 
 def is_small(scene: Scene) -> bool:
-    """Whether only few particles are placed one by one; lattices of liquid are computed by NumPy."""
+    """Whether only few particles are placed one by one; NumPy computes lattices of liquid."""
     from ecume.scenes.sph import SphScene
 
     if isinstance(scene, SphScene):
@@ -206,7 +206,7 @@ def check(scene: SceneFile, overrides: Overrides = None, laws: Laws = None, json
 
 @contextmanager
 def questioned(file: Path, changes: Sequence[str]) -> Iterator[None]:
-    """A context that adds the implausible values of a scene file to its faults, which they often cause."""
+    """A context that adds the implausible values of a scene file to its faults, since they often cause these."""
     try:
         yield
     except SceneError as error:
@@ -216,7 +216,7 @@ def questioned(file: Path, changes: Sequence[str]) -> Iterator[None]:
 
 
 def questions(file: Path, changes: Sequence[str]) -> list[tuple[str, str]]:
-    """The implausible values of a scene file, with changes: key and remark. Empty for a file that cannot be read."""
+    """The keys and remarks of implausible values of a scene file with changes. Empty for a file that cannot be read."""
     from ecume.scenes.load import parsed, source_of
     from ecume.scenes.overrides import overridden
     from ecume.scenes.plausible import remarks

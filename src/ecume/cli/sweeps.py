@@ -1,4 +1,4 @@
-"""The verb sweep: a scene that runs many times."""
+"""The verb sweep: a scene that is simulated repeatedly with different values."""
 
 from __future__ import annotations
 
@@ -91,7 +91,7 @@ def sweep(
 
 
 def absolute(laws: Sequence[str]) -> list[str]:
-    """The user's law files as absolute paths, which workers find from any folder."""
+    """The absolute paths of the files with user laws, which workers find from any folder."""
     return [str(Path(law).absolute()) for law in laws]
 
 
@@ -117,8 +117,8 @@ def _run_all(source: Path, directory: Path, choices: dict[str, Any], *, quiet: b
 
 
 def _fit_all(directory: Path, *, quiet: bool) -> None:
-    """Draw and write the fit of the first measure, and print its parameters with their intervals; of two curves, also
-    where they differ most.
+    """Draw and write the fit of the first measure, and print its parameters with their intervals; for two curves, also
+    their largest difference.
     """
     import numpy as np
 

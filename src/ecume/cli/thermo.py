@@ -64,7 +64,7 @@ class ThermoTable:
 
 
 def thermo_table(enabled: bool, columns: str | None, every: int | None) -> ThermoTable | None:
-    """The table for the given options; None if no option requests it."""
+    """The table for the given options; None if no option requires it."""
     if not enabled and columns is None and every is None:
         return None
     names = [name.strip() for name in (columns or "").split(",") if name.strip()]

@@ -167,7 +167,7 @@ def draw_wires(axes: Axes, setting: Setting) -> list[Line2D]:
 
 
 def each_color(colors: Sequence[str], usual: str) -> Iterable[str]:
-    """These colors, or an endless sequence of the default color if there are none."""
+    """These colors, or without any an endless sequence of the default color."""
     return colors or itertools.repeat(usual)
 
 

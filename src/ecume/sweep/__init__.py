@@ -3,8 +3,8 @@
 ecume.sweep.sweep("durations.toml", "sweeps/durations")
 ecume.open_sweep("sweeps/durations").table()
 
-Start with `runner.sweep`. `spec` is the schema of the file and its points, `executors` runs them, `results` and
-`measures` make the table, `directory` also reads the status of a running sweep, `figures` draws.
+Start with `runner.sweep`. `spec` is the schema of the file and its points, `executors` runs the points, `results` and
+`measures` make the table, `directory` also reads the status of a running sweep, and `figures` draws.
 """
 
 from ecume.sweep.executors import ExecutorOptions

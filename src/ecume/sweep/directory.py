@@ -1,8 +1,8 @@
 """The directory of a sweep, and the status of the sweep as read from its files.
 
 It contains `sweep.toml`, the file of the sweep; `points.json`; and a folder for each point. The name of this folder is
-the digest of what is simulated in it: after a change of the sweep's file, finished points are found again, and only
-missing points are run.
+a digest of the simulation in it: after a change of the sweep file, finished points are found again, and only missing
+points are run.
 """
 
 from __future__ import annotations
@@ -125,8 +125,8 @@ class Sweeping(NamedTuple):
 def written(plain: Mapping[str, Any], path: Path) -> str:
     """The text of a file of a sweep, with a checksum.
 
-    The checksum of a point's file includes the name of the file and that of the point, a digest of what is simulated,
-    so that it is wrong in the folder of another point.
+    The checksum of a file of a point includes the name of the file and that of the point, so that it does not match in
+    the folder of another point.
     """
     return sealed(plain, _owner(path))
 
@@ -148,7 +148,7 @@ Check = Callable[[Sequence[str], Mapping[str, Any]], None]
 
 
 def unchecked(measures: Sequence[str], plan: Mapping[str, Any]) -> None:
-    """Accept any measures."""
+    """Accept any measures, without a test."""
 
 
 def write_points(asked: Asked, directory: Path, check: Check = unchecked) -> Sweeping:
@@ -157,7 +157,7 @@ def write_points(asked: Asked, directory: Path, check: Check = unchecked) -> Swe
     if spec.process:
         require_arguments(spec.process, [*spec.fixed, *varied(spec)])
     plans = [(point, _checked_plan(asked, point)) for point in points_of(spec)]
-    digest = functools.cache(flow_digest)  # points mostly share a file
+    digest = functools.cache(flow_digest)  # many points refer to the same file
     plans = [(point, plan | _flow_file(plan, digest)) for point, plan in plans]
     keys = varied(spec)
     jobs = [Job(point, directory / POINTS_FOLDER / _digest(plan), _values(point, plan, keys)) for point, plan in plans]
@@ -181,11 +181,10 @@ def write_points(asked: Asked, directory: Path, check: Check = unchecked) -> Swe
 def open_or_create(
     file: Path, directory: Path, laws: Sequence[dict[str, Any]] = (), check: Check = unchecked
 ) -> Sweeping:
-    """The existing or new sweep of a file. Raises BadInput if the sweep was begun with other
-    user-defined laws.
+    """The existing or new sweep of a file. Raises BadInput if an existing sweep has other user laws.
 
-    A sweep that is named by its directory has all of its points there, but not the scene's file. `laws` are the entries
-    of user-defined laws.
+    A sweep that is given by its directory contains all of its points, but not the scene file. `laws` are the entries of
+    user laws.
     """
     asked = load_sweep(file)._replace(laws=tuple(laws))
     if asked.spec.scene and is_sweep(directory) and file.resolve().parent == directory.resolve():
@@ -199,7 +198,7 @@ def open_or_create(
 
 
 def require_laws(sweeping: Sweeping, laws: Sequence[dict[str, Any]]) -> None:
-    """Raise BadInput unless the sweep was begun with these user-defined laws."""
+    """Raise BadInput unless the sweep was started with these user laws."""
     begun = json_at(sweeping.jobs[0].asked, dict).get("extra_laws", [])
     if begun != list(laws):
         required = " ".join(f"--laws FILE.py:{law['name']}" for law in begun)
@@ -210,7 +209,7 @@ def require_laws(sweeping: Sweeping, laws: Sequence[dict[str, Any]]) -> None:
 
 
 def require_flow_files(sweeping: Sweeping) -> None:
-    """Raise BadInput if the file with velocities of a missing point has changed since the sweep was begun."""
+    """Raise BadInput if the file with velocities for a missing point has changed since the start of the sweep."""
     digest = functools.cache(flow_digest)
     for job in distinct(sweeping.jobs):
         if job.state != "done":
@@ -226,7 +225,7 @@ def _flow_field(plan: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def _flow_file(plan: Mapping[str, Any], digest: Callable[[str], str]) -> dict[str, str]:
-    """The digest of the file with velocities that the scene names. All other files are part of the scene itself."""
+    """The digest of the file with velocities in a scene. All other files are part of the scene itself."""
     field = _flow_field(plan)
     return {FLOW_FILE: digest(field["file"])} if field else {}
 
@@ -266,7 +265,7 @@ def json_at(path: Path, kind: type | tuple[type, ...]) -> Any:
         text = content_of(path, MOST_BYTES, path.parent)
     try:
         found = plain_of(text)
-        if isinstance(found, dict) and CRC in found:  # files of earlier versions have none
+        if isinstance(found, dict) and CRC in found:  # files of earlier versions have no checksum
             found = unsealed(found, text, _owner(path))
     except ValueError as error:
         raise StorageError(f"{path}: damaged: {error}; {MADE_AGAIN}") from error
@@ -276,14 +275,14 @@ def json_at(path: Path, kind: type | tuple[type, ...]) -> Any:
 
 
 def require_own_run(job: Job) -> None:
-    """Raise StorageError if the run of a point is one of another scene."""
+    """Raise StorageError if the run of a point belongs to another scene."""
     expected = json_at(job.asked, dict).get("scene_sha256")
     if expected is not None and manifest_at(job.run).get("scene_sha256") != expected:
         raise StorageError(f"{job.run}: is the run of another scene than that of its point; {MADE_AGAIN}")
 
 
 def distinct(jobs: Sequence[Job]) -> list[Job]:
-    """The points without repetition: points with equal plans share a folder."""
+    """The points without repetition, since points with equal plans have a common folder."""
     return list({job.folder: job for job in jobs}.values())
 
 
@@ -303,7 +302,7 @@ def _checked_plan(asked: Asked, point: Point) -> dict[str, Any]:
 
 
 def _as_asked(fault: Fault, source: str) -> str:
-    """A fault of a scene as a fault of the sweep that generates it."""
+    """The fault of a generated scene as a fault of the sweep."""
     if fault.line is not None:
         return f"{source}: {fault}"
     words = re.sub(r"^--set '[^']*': ", "", str(fault).removesuffix(OVERRIDDEN))
@@ -330,8 +329,8 @@ def _plan(asked: Asked, point: Point) -> dict[str, Any]:
 
 
 def enlarged(scene: Scene, factor: int) -> Scene:
-    """The scene with `factor` times as many particles of each species, in a periodic cell as many times as large.
-    Raises BadInput where this is not defined.
+    """The scene with `factor` times as many particles of each species, in a periodic cell enlarged by the same factor.
+    Raises BadInput if this is not defined.
     """
     if factor == 1:
         return scene

@@ -60,7 +60,7 @@ def work(folder: str, laws: Sequence[str] = ()) -> str:
 
 
 def _record_failure(job: Job, error: Exception) -> None:
-    """Record the reason of a failed point in one line, with the type of unexpected errors."""
+    """Record the reason of a failed point in one line; for unexpected errors, with their type."""
     kind, why = type(error).__name__, " ".join(str(error).split())
     result = {"why": why if isinstance(error, EcumeError) else f"{kind}: {why}", "kind": kind}
     write_whole(job.failure, written(result, job.failure), job.folder)
@@ -114,7 +114,7 @@ UNWATCHED = {"distributed.worker.profile.enabled": False}
 
 @dataclass(frozen=True, kw_only=True)
 class ExecutorOptions:
-    """The executor of a sweep, and the functions that receive its reports."""
+    """The executor of a sweep, and the functions to which it reports."""
 
     workers: int | None = None
     """default: one per core; 1 works in this process and needs no Dask"""
@@ -170,8 +170,8 @@ def next_outcome(ended: Iterator[Any]) -> tuple[Any, str] | None:
     """The next job that ended, and its outcome; None after the last. Raises Stopped if the
     scheduler does not answer.
 
-    Errors of jobs are part of their outcome. Any other exception means that the connection to the scheduler is lost;
-    Dask has half a dozen for this.
+    Errors of jobs are part of their outcome. Any other exception means that the connection to the scheduler is lost,
+    for which Dask has several exceptions.
     """
     try:
         future = next(ended, None)
@@ -193,7 +193,7 @@ def _client(options: ExecutorOptions, sweeping: Sweeping, workers: int) -> Itera
     except ImportError as error:
         raise BadInput(f"many workers need Dask, which is not installed: {install('sweep')}, or --workers 1") from error
     library: Any = distributed  # the library has no type annotations
-    for name in ("distributed", "distributed.client"):  # ecume reports failures in one line
+    for name in ("distributed", "distributed.client"):  # ecume reports failures itself, in one line
         logging.getLogger(name).setLevel(logging.CRITICAL)
     if options.scheduler is not None:
         require_safe(options.scheduler)
@@ -210,7 +210,8 @@ def _client(options: ExecutorOptions, sweeping: Sweeping, workers: int) -> Itera
         with dask.config.set(UNWATCHED):
             # Ctrl-C reaches all processes of a terminal. Workers ignore it, since this process ends them.
             with handled(signal.SIG_IGN, (signal.SIGINT,)):
-                # Other users of this machine can connect to its ports, so that connections need the key of this sweep.
+                # Other users of this machine can connect to the ports of the scheduler; connections therefore require
+                # the key of this sweep.
                 keys = {"security": library.Security.temporary(), "protocol": "tls://"}
                 cluster = library.LocalCluster(n_workers=workers, host="127.0.0.1", **keys, **local)
             with cluster as found, library.Client(found) as client:
@@ -218,8 +219,8 @@ def _client(options: ExecutorOptions, sweeping: Sweeping, workers: int) -> Itera
 
 
 def connected(library: Any, address: str) -> Any:
-    """A client of a running scheduler. Raises BadInput if it does not answer, which Dask reports by one of four
-    exceptions.
+    """A client of a running scheduler. Raises BadInput if the scheduler does not respond, which Dask reports by one of
+    four exceptions.
     """
     try:
         return library.Client(address, timeout=WAIT)
@@ -233,8 +234,8 @@ def connected(library: Any, address: str) -> Any:
 
 
 def require_safe(address: str) -> None:
-    """Raise BadInput for a scheduler without encryption that is reached over a network: anyone there could run code on
-    this machine and on the workers.
+    """Raise BadInput for a scheduler without encryption that is accessed over a network, in which others could run code
+    on this machine and on the workers.
     """
     kind, _, place = address.rpartition("://")
     host = place.rpartition(":")[0].strip("[]")
@@ -249,7 +250,7 @@ def require_safe(address: str) -> None:
 def slurm_cluster(asked: Cluster, folder: Path, cores: int = 1) -> Iterator[Any]:
     """Workers in SLURM jobs, with encrypted connections; each worker ends before its job.
 
-    Their key is in the sweep's folder while they work, and only its owner can read it.
+    While they work, their key is stored in the folder of the sweep, where only the owner can read it.
     """
     try:
         import dask_jobqueue

@@ -1,5 +1,5 @@
-"""Figures of a sweep: curves of a measure over one key, with one curve for each value of the others; fitted power laws;
-maps over two keys; scatter plots.
+"""Figures of a sweep: curves of a measure over one key, with one curve for each value of the other keys; fitted power
+laws; maps over two keys; scatter plots.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ MOST_CURVES = len(DASHES) * len(PALETTE)
 
 
 class Column(NamedTuple):
-    """A column of the table as plotted; texts are at 0, 1, 2 ..."""
+    """A column of the table for a figure; texts are plotted at 0, 1, 2 ..."""
 
     name: str
     values: Array
@@ -78,7 +78,7 @@ def plot_sweep(
     data: Path | None = None,
 ) -> list[Path]:
     """Draw a figure of a sweep into the file or the folder `out`, by default into its directory. The table of a fit is
-    written beside it, the points of all curves into `data`. Returns the paths of the files.
+    written next to the figure, and the points of all curves into `data`. Returns the paths of the files.
     """
     sweep = open_sweep(directory)
     drawn = sweep_figure(sweep, kind, measure)
@@ -113,7 +113,7 @@ def sweep_figure(sweep: Sweep, kind: str = "curves", measure: str | None = None)
     if kind == "curves" and sweep.drawn:
         raise BadInput(f"{sweep.directory}: its points were drawn, and lie on no curves; --what scatter draws them")
     axes, shown = _columns(sweep, measure)
-    if kind != "fit":  # whose table is in SI units
+    if kind != "fit":  # the table of a fit is in SI units
         axes = [_as_written(column, sweep.written_units.get(column.name, "")) for column in axes]
     with style():
         drawn = figure()
@@ -123,12 +123,12 @@ def sweep_figure(sweep: Sweep, kind: str = "curves", measure: str | None = None)
 
 
 def _as_written(column: Column, unit: str) -> Column:
-    """A column in the unit that the sweep's file uses."""
+    """A column in the unit of the sweep file."""
     if not unit or not column.unit or column.unit == "°":
         return column
     try:
         ratio = factor(unit, column.unit)
-    except ValueError:  # degrees Celsius have another zero
+    except ValueError:  # degrees Celsius have an offset
         return column
     return column._replace(values=column.values / ratio, unit=unit, written=True)
 
@@ -169,7 +169,7 @@ def values_of(rows: Sequence[Row], name: str) -> Array:
 
 
 def column_of(rows: Sequence[Row], name: str, units: dict[str, str]) -> Column:
-    """A column of the table as plotted."""
+    """A column of the table for a figure."""
     if all(isinstance(row[name], (int, float)) and not isinstance(row[name], bool) for row in rows):
         values, unit = values_of(rows, name), units.get(name, "")
         return Column(name, np.degrees(values), unit="°") if unit == "rad" else Column(name, values, unit=unit)
@@ -203,7 +203,7 @@ def by_length(axes: Sequence[Column]) -> list[Column]:
 
 
 def groups_of(x: Column, others: Sequence[Column]) -> list[tuple[str, NDArray[np.bool_]]]:
-    """The combinations of the values of all other keys: label and rows of each."""
+    """The combinations of the values of all other keys, with the label and the rows of each."""
     names = short_names(others)
     groups = sorted(set(zip(*(column.values for column in others), strict=True))) if others else [()]
     if len(groups) > MOST_CURVES:
@@ -327,7 +327,7 @@ DRAWN = {"curves": curves, "map": colored_map, "scatter": scatter, "fit": fits}
 
 
 def wide(values: Array) -> bool:
-    """Whether positive values span more than a linear scale can show."""
+    """Whether positive values span more than a linear scale can resolve."""
     finite = values[np.isfinite(values)]
     return bool(len(finite) and finite.min() > 0.0 and finite.max() > WIDE * finite.min())
 

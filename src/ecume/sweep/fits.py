@@ -42,7 +42,7 @@ class Points(NamedTuple):
 
     @property
     def curve(self) -> Curve:
-        """The means alone."""
+        """The means without the single values."""
         return Curve(self.at, self.means)
 
     @property
@@ -52,7 +52,7 @@ class Points(NamedTuple):
 
 
 def points_of(label: str, x: Array, values: Array) -> Points:
-    """The means over finite values at each value of the axis."""
+    """The means over finite values for each value of the axis."""
     good = np.isfinite(x) & np.isfinite(values)
     at = np.unique(x[good])
     groups = [values[good & (x == one)] for one in at]

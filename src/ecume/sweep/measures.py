@@ -46,8 +46,8 @@ def spread(times: Array, values: Array) -> float:
 
 
 def steady(times: Array, values: Array) -> float:
-    """The mean of the frames after the transient, which is detected; NaN if the number does not
-    become stationary.
+    """The mean of the frames after the transient, which is detected automatically; NaN if the number does not become
+    stationary.
 
     >>> now = np.arange(12.0)
     >>> steady(now, np.array([9.0, 5.0, 1.0, 3.0, 1.0, 3.0, 1.0, 3.0, 1.0, 3.0, 1.0, 3.0])), steady(now, now)
@@ -71,7 +71,7 @@ USUAL = re.compile(r"(\w+)\s+(\w+)")
 
 
 class Words(NamedTuple):
-    """A measure as parsed: its kind, and the number that it measures."""
+    """A measure as parsed: its kind, and the measured number."""
 
     way: str
     number: str

@@ -77,7 +77,7 @@ class Sweep:
 
     @property
     def ways(self) -> list[str]:
-        """The columns that vary independently; of linked keys, one that represents all."""
+        """The columns that vary independently; for linked keys, one that represents all."""
         spec = self._sweeping.spec
         axes = [key for axis in spec.axes for key in representing(axis)]
         sampled = [axis.key for axis in spec.sampling.axes] if spec.sampling is not None else []
@@ -85,7 +85,7 @@ class Sweep:
 
     @property
     def drawn(self) -> bool:
-        """Whether points were sampled in several parameters, so that few of them share a value."""
+        """Whether several parameters were sampled, so that few points have a value in common."""
         sampling = self._sweeping.spec.sampling
         return sampling is not None and len(sampling.axes) > 1
 
@@ -100,7 +100,7 @@ class Sweep:
 
     @property
     def written_units(self) -> dict[str, str]:
-        """The units in which the sweep's file gives the varied keys, of those with one unit."""
+        """The units of the varied keys in the sweep file, for keys with a single unit."""
         spec = self._sweeping.spec
         values: dict[str, Sequence[object]] = {axis.key: axis.values for axis in spec.axes if axis.key is not None}
         for axis in spec.axes:
@@ -142,8 +142,8 @@ class Sweep:
         return library("pandas").DataFrame(_with_nulls(self.table(measures)))
 
     def columns(self) -> dict[str, list[Any]]:
-        """The table by columns, as `table.csv` has it: varied keys in the units of the sweep's file, other numbers in
-        SI units; each column names its unit.
+        """The table by columns, as in `table.csv`: varied keys in the units of the sweep file, other numbers in SI
+        units; the name of each column contains its unit.
         """
         rows, written_ones = self.table(), self.written_units
         units = self.units(list(rows[0]) if rows else []) | written_ones
@@ -200,7 +200,7 @@ def representing(axis: Axis) -> Sequence[str]:
 
 
 def _with_nulls(rows: Sequence[Row]) -> list[Row]:
-    """Rows with null for missing values, so that columns of texts and booleans keep their type."""
+    """The rows with null for missing values, so that columns of texts and booleans keep their type."""
     return [{name: None if _is_nan(value) else value for name, value in row.items()} for row in rows]
 
 
@@ -233,10 +233,9 @@ def units_of_measures(jobs: Sequence[Job], columns: Sequence[str]) -> dict[str, 
 def require_numbers(
     measures: Sequence[str], plan: Mapping[str, Any], laws: Sequence[Callable[..., float]] = ()
 ) -> None:
-    """Raise BadInput if a measure uses a number that runs do not have, or if the engine is not
-    installed.
+    """Raise BadInput if a measure uses a number that runs do not have, or if the engine is not installed.
 
-    The first frame of a run shows this before the sweep begins.
+    This is determined from the first frame of a run before the sweep starts.
     """
     from ecume.simulation import moments
 
@@ -282,7 +281,7 @@ def _cached(job: Job) -> dict[str, float]:
 
 
 def _digest(measure: str | Measure) -> str:
-    """The digest of a measure: of its text, or of the source of a function and of everything that it uses. Values of
+    """The digest of a measure: of its text, or of the source of a function and of all objects that it uses. Values of
     functions that use objects without a digest are not cached.
     """
     if isinstance(measure, str):
@@ -303,7 +302,7 @@ def write_table(sweeping: Sweeping) -> Path:
 
 
 def as_csv(columns: Mapping[str, Sequence[Any]]) -> str:
-    """Columns as text; numbers to the last digit."""
+    """The columns as text, with all digits of numbers."""
     text = io.StringIO()
     write_rows(text, [list(columns), *zip(*columns.values(), strict=True)])
     return text.getvalue()
@@ -326,8 +325,7 @@ USUAL = ExecutorOptions()
 
 
 def sweep(file: str | os.PathLike[str], directory: str | os.PathLike[str], options: ExecutorOptions = USUAL) -> Outcome:
-    """Run the missing points of a sweep and write its table. After an interruption the same call
-    continues.
+    """Run the missing points of a sweep and write its table.
 
     Raises Stopped after a signal: the same call continues.
     """
@@ -367,7 +365,7 @@ def _stop(number: int, _: FrameType | None) -> None:
 
 
 def outcome_of(sweeping: Sweeping) -> Outcome:
-    """The present state of a sweep, as an outcome."""
+    """The outcome that corresponds to the present state of a sweep."""
     jobs = distinct(sweeping.jobs)
     failed = [(job.folder, job.why) for job in jobs if job.state == "failed"]
     return Outcome(sweeping.path, sum(job.state == "done" for job in jobs), failed, 0)

@@ -1,6 +1,6 @@
 """The schema of a sweep's file, and the points of a sweep: every combination of values, drawn samples, repeats.
 
-`PROCESSES` is the table of built-in processes, which make their own scenes and return their own numbers.
+`PROCESSES` is the table of built-in processes, which generate scenes and return numbers.
 """
 
 from __future__ import annotations
@@ -120,7 +120,7 @@ QUANTITY = re.compile(rf"\s*([+-]?{NUMBER})\s+(\S.*)")
 
 
 def like(pattern: str, words: str) -> Callable[[str], str]:
-    """A validator that accepts texts of this form, and otherwise raises a message with the expected form."""
+    """A validator that accepts texts of this form, and otherwise raises an error with the expected form."""
     form = re.compile(pattern)
 
     def fitting(text: str) -> str:
@@ -132,7 +132,7 @@ def like(pattern: str, words: str) -> Callable[[str], str]:
 
 
 def value(got: object) -> object:
-    """A value that a key of a scene may have."""
+    """A value that is valid for some key of a scene."""
     if not isinstance(got, (bool, int, float, str, list)) or (isinstance(got, float) and not math.isfinite(got)):
         raise ValueError("expected a finite number, text, true or false, or a list")
     return got
@@ -162,7 +162,7 @@ Finite = Annotated[float, Field(ge=-1e300, le=1e300)]
 
 @dataclass(frozen=True, kw_only=True, config=STRICT)
 class Span:
-    """A range of numbers: `start = "1 mm"` and `stop = "9 mm"`, or with a separate unit: `unit = "mm"`."""
+    """A range of numbers: `start = "1 mm"` and `stop = "9 mm"`, or with a separate unit, `unit = "mm"`."""
 
     start: Finite
     stop: Finite
@@ -490,7 +490,7 @@ def spread(span: Span | None) -> Sequence[Any]:
 
 
 def between(span: Span, parts: Any) -> Any:
-    """The numbers at fractions of a range."""
+    """The numbers at these fractions of a range."""
     if not span.log:
         return span.start + parts * (span.stop - span.start)
     values = span.start * (span.stop / span.start) ** parts
@@ -498,7 +498,7 @@ def between(span: Span, parts: Any) -> Any:
 
 
 def with_unit(value: float, span: Span) -> Any:
-    """A value as it would be written in the scene's file."""
+    """A value in the notation of a scene file."""
     short = round(value) if span.whole else float(f"{value:.15g}")  # 0.0001 instead of 9.999999999999999e-05
     return f"{short!r} {span.unit}" if span.unit else short
 

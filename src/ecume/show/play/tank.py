@@ -282,7 +282,9 @@ class Tank:
         self._go_on(joined(liquid, poured(self.scene, self.integration.parameters.material, points)))
 
     def scoop(self, x: float, y: float) -> None:
-        """Remove the liquid around a position (m). Raises BadInput without liquid there, or if no liquid would remain."""
+        """Remove the liquid around a position (m). Raises BadInput if there would be no liquid to remove, or none would
+        remain.
+        """
         liquid = self.liquid()
         stays = np.hypot(*(liquid.position - np.array([[x], [y]]))) > LADLE * self.scene.spacing
         if stays.all():

@@ -348,8 +348,7 @@ def floating_stage(scene: Any, sample: Sequence[Frame]) -> Stage:
 
 
 def _moving_outlines(scene: Any, shapes: Any) -> Any:
-    """A function for the outlines of floats with a shape, or of the region behind a barrier, in a frame; None without any.
-    """
+    """A function for the outlines of floats with a shape, or of the region behind a barrier, in a frame; or None."""
     if scene.dish is not None and scene.dish.barrier is not None:
         behind = partial(behind_barrier, scene.dish)
         return lambda frame: [closed(one) for one in behind(frame.numbers.get("barrier_position", 0.0))]
