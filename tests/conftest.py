@@ -1,4 +1,4 @@
-"""Which pass of scripts/test runs a test, and coverage in every process that runs tests, however many there are."""
+"""Selection of tests for the passes of scripts/test, and coverage in every process that runs tests."""
 
 import contextlib
 import gc
@@ -58,7 +58,7 @@ class Measuring:
 
     @contextlib.contextmanager
     def of_a_test(self, item, number):
-        """The test is the case of this number of a test."""
+        """Whether the test is the case with this number of a test."""
         if number > MEASURED_CASES:
             self.pause("enough cases")
         elif item.get_closest_marker("plain") is not None and not PLAIN_PASS:
@@ -108,7 +108,9 @@ seen: Counter[str] = Counter()
 
 
 def pytest_itemcollected(item):
-    """Mark what the plain pass runs, what it alone need run, and what is left to `--all`, so that `-m` can choose."""
+    """Mark the tests of the plain pass, those that only it needs to run, and those of `--all`, so that `-m` can select
+    them.
+    """
     sampled = item.get_closest_marker("sampled")
     if sampled is not None and zlib.crc32(item.name.encode()) % sampled.args[0]:
         item.add_marker(pytest.mark.long)
@@ -120,14 +122,14 @@ def pytest_itemcollected(item):
 
 
 def pytest_collection_finish():
-    """Tests and modules stay until the end: no search for garbage goes through them again."""
+    """Freeze tests and modules, which live until the end, so that garbage collection ignores them."""
     gc.collect()
     gc.freeze()
 
 
 @pytest.hookimpl(wrapper=True)
 def pytest_runtest_protocol(item):
-    """Nothing is measured after the first cases of a test."""
+    """Stop measuring after the first cases of a test."""
     test = item.nodeid.partition("[")[0]
     seen[test] += 1
     with contextlib.nullcontext() if MEASURED is None else MEASURED.of_a_test(item, seen[test]):
@@ -136,7 +138,9 @@ def pytest_runtest_protocol(item):
 
 @pytest.fixture(autouse=True)
 def same_environment():
-    """No test leaves a variable behind: the next test of its process may compile, or start a process, that reads it."""
+    """Restore environment variables, since the next test of the process may compile, or start a process that reads
+    them.
+    """
     before = variables()
     yield
     assert variables() == before

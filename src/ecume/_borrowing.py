@@ -41,7 +41,9 @@ def borrowed_variables(function: Any, kinds: Mapping[str, Any]) -> frozenset[str
 
 
 def _taken_from(assignment: Any, kinds: Mapping[str, Any]) -> list[str] | None:
-    """The variables that must be borrowed so that the value of an assignment is; None if it never is."""
+    """The variables that must be borrowed so that the value of this assignment is borrowed as well; None if it never
+    is.
+    """
     value, kind = assignment.value, kinds[assignment.target.name]
     if isinstance(value, ir.Arg):
         return [] if kinds.get(f"arg.{value.name}") == kind else None

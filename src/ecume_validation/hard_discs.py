@@ -108,7 +108,9 @@ def counted(place: Array, room: Room, *, walls: bool) -> Array:
 
 
 def binned(gap: Array, edges: Array) -> Array:
-    """The numbers of gaps (copies, ...) in each bin (copies, bins). Discs in contact have gaps of rounding errors."""
+    """The numbers of gaps (copies, ...) in each bin (copies, bins). Gaps of discs in contact may differ from zero by
+    rounding.
+    """
     below_edges = [(gap < edge).sum(axis=1) for edge in edges[1:]]
     return np.diff(np.column_stack([np.zeros(len(gap)), *below_edges]), axis=1)
 

@@ -1,4 +1,4 @@
-"""Clusters of configurations whose clusters anyone can count."""
+"""Clusters in configurations that can be checked by hand."""
 
 import numpy as np
 import pytest

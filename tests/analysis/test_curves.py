@@ -1,4 +1,4 @@
-"""Curves with errors: where two of them differ most, and branches of sweeps up and down."""
+"""Curves with errors: the largest difference of two curves, and branches of sweeps up and down."""
 
 import itertools
 
@@ -23,7 +23,7 @@ def test_two_curves_are_compared_where_they_differ_most():
 
 
 def test_curves_at_zero_are_compared_as_well():
-    """Durations, yield stresses and counts can be zero, and single runs without an error, too."""
+    """Durations, yield stresses and counts can be zero, and single runs have no error."""
     one, two = (Curve(np.array([1.0]), (Mean(value, 0.1),)) for value in (0.0, -0.2))
     assert largest_difference(one, two) == pytest.approx((1.0, -np.inf, 2.0**0.5))
     assert largest_difference(one, one) == (1.0, 0.0, 0.0)

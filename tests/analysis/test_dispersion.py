@@ -56,7 +56,7 @@ def test_residence_and_breakthrough_count_those_that_left():
 
 
 def test_particles_that_enter_between_frames_have_residence_times_without_a_bias():
-    """One stays for 1.2 s, one enters and leaves between two frames, one had left before."""
+    """One particle stays for 1.2 s, one enters and leaves between two frames, and one left earlier."""
     frames = [
         frame(0.0, np.zeros((1, 2)), [0]),
         frame(1.0, np.zeros((2, 2)), [0, -1]),
@@ -99,7 +99,7 @@ def test_a_dataset_is_read_back_with_its_conventions(tmp_path):
 
 
 def coming_and_going(count=600, speed=1.0, rate=0.02):
-    """Each particle enters at its own frame, drifts with noise and leaves after ten frames."""
+    """Frames of particles that enter one per frame, drift with noise and leave after ten frames."""
     entered, moved = np.arange(count) * 30 // count, np.zeros((count, 2))
     found = []
     for k in range(31):

@@ -1,4 +1,4 @@
-"""Grids, outlines, fronts and profiles of a block of liquid whose answers are known."""
+"""Grids, outlines, fronts and profiles of a block of liquid with known results."""
 
 import numpy as np
 import pytest
@@ -23,7 +23,7 @@ REACH = 4 * SPACING
 
 
 def block(length=2.0, depth=1.0, jitter=0.2, away=0.0):
-    """Liquid over 0 < x < length, 0 < y < depth; its pressure is its depth, its velocity shears."""
+    """Liquid over 0 < x < length, 0 < y < depth; the pressure equals the depth, and the flow is a shear."""
     axes = [SPACING * (np.arange(round(side / SPACING)) + 0.5) for side in (length, depth)]
     position = np.stack([grid.ravel() for grid in np.meshgrid(*axes, indexing="ij")], axis=1) + away
     position = position + jitter * SPACING * np.random.default_rng(1).uniform(-1, 1, position.shape)
@@ -39,7 +39,7 @@ def block(length=2.0, depth=1.0, jitter=0.2, away=0.0):
 
 
 def with_drop(frame, place):
-    """And a particle that has come off."""
+    """The block with a separate particle."""
     extra = {name: np.concatenate([array, array[:1]]) for name, array in frame.arrays.items()}
     extra["position"][-1] = place
     return frame._replace(arrays=extra)

@@ -1,4 +1,4 @@
-"""Gaps, coordination and what fills a box, of packings that can be written down."""
+"""Gaps, coordination and volume fractions of packings with known results."""
 
 import math
 
@@ -15,7 +15,7 @@ ROW = math.sqrt(3.0) / 2.0
 
 @pytest.fixture
 def honeycomb():
-    """Thirty-six discs a spacing apart, in a box sheared by a whole row: the same packing."""
+    """Thirty-six discs at unit spacing in a box sheared by a whole row, which is the same packing."""
     i, j = np.meshgrid(np.arange(6), np.arange(6), indexing="ij")
     place = np.stack([(i + 0.5 * (j % 2)).ravel(), ROW * j.ravel()], axis=1).astype(float)
     numbers = {"box_width": 6.0, "box_height": 6 * ROW, "strain": 1.0 / ROW}
@@ -24,7 +24,7 @@ def honeycomb():
 
 @pytest.fixture
 def soft():
-    """Three spheres in a row: one film pulls, one presses."""
+    """Three spheres in a row, with one film in tension and one in compression."""
     arrays = {
         "position": np.array([[0.0, 0.0], [2.1, 0.0], [4.1, 0.0]]),
         "radius": np.ones(3),

@@ -1,4 +1,4 @@
-"""What probes, wall sensors and level gauges read in a frame of particles."""
+"""Readings of probes, wall sensors and level gauges in a frame of particles."""
 
 import numpy as np
 import pytest
@@ -12,7 +12,9 @@ REACH = 4 * SPACING
 
 
 def still(dimension=2, jitter=0.0, depth=1.0):
-    """A block of still liquid from x = 0 to 2 (and z = 0 to 1): its pressure is its depth, its velocity shears."""
+    """A block of still liquid from x = 0 to 2 (and z = 0 to 1); the pressure equals the depth, and the velocity is a
+    shear.
+    """
     lengths = [2.0, depth, 1.0][:dimension]
     axes = [SPACING * (np.arange(round(length / SPACING)) + 0.5) for length in lengths]
     position = np.stack([grid.ravel() for grid in np.meshgrid(*axes, indexing="ij")], axis=1)

@@ -43,7 +43,9 @@ def test_the_mean_over_layers_is_the_volume_fraction_also_where_spheres_cross_th
 
 
 def test_a_homogeneous_flow_has_a_straight_profile():
-    """A sphere that crosses the top is below, too, with the speed of the flow there: means over many are straight."""
+    """A sphere that crosses the top also counts at the bottom, with the speed of the flow there, so that mean profiles
+    are straight.
+    """
     found = layers([cell(seed, rate=0.3, count=200) for seed in range(30)], 10)
     speeds = np.array([one.value for one in found.velocity])
     assert np.abs(speeds - 0.3 * found.height).max() < 0.02

@@ -1,4 +1,4 @@
-"""Even deformations leave nothing, and what departs from them is found."""
+"""Affine deformations have no residual, and deviations from them are found."""
 
 import numpy as np
 import pytest
@@ -20,7 +20,9 @@ def frame_of(position, box=None, time=0.0):
 
 
 def deformed(rest=0.0, strain=0.35, scale=1.1, drift=(0.0, 0.0)):
-    """A crowd, and the same in a box that is sheared further and larger, beside what departs from that."""
+    """Random particles, the same particles in a box that is sheared and enlarged, and the deviations from this
+    deformation.
+    """
     start = np.random.default_rng(2).uniform(size=(70, 2)) * BOX.sides
     end = Box(scale * BOX.sides, strain)
     moved = start @ (end.tilt @ np.linalg.inv(BOX.tilt)).T + rest + np.array(drift)

@@ -1,4 +1,4 @@
-"""T1 events where anyone can count them: four discs, a sheared honeycomb, a crowd that flickers."""
+"""T1 events with known numbers: four discs, a sheared honeycomb, fluctuating particles."""
 
 import dataclasses
 import math
@@ -29,7 +29,7 @@ def frame_of(position, time=0.0, radius=0.5, box=None):
 
 
 def rhombus(ratio, turn=0.0):
-    """Four discs whose horizontal distance is `ratio` of the vertical one."""
+    """Four discs whose horizontal distance is `ratio` times the vertical one."""
     half = np.array([[ratio, 0.0], [-ratio, 0.0], [0.0, 1.0], [0.0, -1.0]]) / 2.0
     cos, sin = math.cos(turn), math.sin(turn)
     return half @ np.array([[cos, sin], [-sin, cos]])
@@ -45,7 +45,7 @@ def honeycomb(columns=6, rows=6):
 
 
 def sheared_honeycomb(strains, columns=6, rows=6):
-    """Rows slide over one another, each frame at a strain; positions at home in the box."""
+    """Rows that slide over each other, one frame per strain; positions are wrapped into the box."""
     start, frames = honeycomb(columns, rows), []
     for time, strain in enumerate(strains):
         box = Box(np.array([columns, rows * ROW]), strain)

@@ -1,4 +1,4 @@
-"""Moduli of models that are solved by hand, steady flows with known means, and stresses put together again."""
+"""Moduli of models with closed-form solutions, steady flows with known means, and sums of stress contributions."""
 
 import math
 

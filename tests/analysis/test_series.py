@@ -1,4 +1,4 @@
-"""Series read each frame once and keep its place in time."""
+"""Series read each frame once and in order."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""Arrangements and wanderings whose measures are known."""
+"""Arrangements and paths with known measures."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""Graphs whose symmetries anyone can count, and clusters whose weights are published."""
+"""Graphs with known symmetries, and clusters with published weights."""
 
 import itertools
 import math

@@ -16,7 +16,9 @@ def frames_of(times, **numbers):
 
 @pytest.mark.parametrize("sign", [1.0, -1.0])
 def test_what_surfaces_recover_at_once_counts_as_recovered(sign):
-    """A stress from 2 s to 12 s: 0.2 of elastic strain beside a creep at 0.1/s; frames at jumps show what follows."""
+    """A stress from 2 s to 12 s: an elastic strain of 0.2 in addition to a creep at 0.1/s; frames at jumps show the
+    state after them.
+    """
     frames = frames_of(
         np.arange(0.0, 25.0), strain=lambda t: sign * (0.2 * (2.0 <= t < 12.0) + 0.1 * (min(max(t, 2.0), 12.0) - 2.0))
     )

@@ -35,7 +35,7 @@ def test_a_driven_ring_produces_the_entropy_of_its_current_and_affinity():
 
 
 def test_a_ring_in_equilibrium_produces_no_entropy_on_average():
-    """The plain sum over the same counts is positive in every sequence."""
+    """Without correction, the sum over the same counts is positive in every sequence."""
     found = [entropy_production([chain(0.2, 0.2, 2000, seed)], 1.0).value for seed in range(60)]
     assert abs(np.mean(found)) < 3.0 * np.std(found) / np.sqrt(len(found))
     assert np.mean(np.array(found) > 0.0) < 0.8

@@ -1,4 +1,4 @@
-"""Delays of creep curves that are written down."""
+"""Delays of given creep curves."""
 
 import math
 
@@ -11,7 +11,7 @@ from ecume.trajectories.frame import Frame
 
 
 def creeping(step=5.0, sign=1.0, offset=0.3):
-    """At rest until a step, then a strain of t/100 + (t/20)^3 / 10 - ... slowest at t = 6."""
+    """Frames at rest until a step, then with a strain of t/100 + (t/20)^3 / 10 - ..., slowest at t = 6."""
     frames = []
     for time in np.arange(0.0, 40.0, 0.25):
         since = max(time - step, 0.0)

@@ -1,4 +1,4 @@
-"""The verb bench, and what validate and bench keep."""
+"""The verb bench, and the records of validate and bench."""
 
 import json
 
@@ -15,7 +15,7 @@ cli = CliRunner()
 
 @pytest.fixture
 def scripts(tmp_path, monkeypatch):
-    """Benchmarks of our own in place of the real ones."""
+    """Small benchmarks that replace the real ones."""
     texts = {"good.py": "import sys; print('fast:', len(sys.argv) - 1)", "bad.py": "raise SystemExit(3)"}
     for name, text in texts.items():
         (tmp_path / name).write_text(text)

@@ -1,4 +1,4 @@
-"""How commands end: exit codes, and what stands on stderr."""
+"""Endings of commands: exit codes, and messages on stderr."""
 
 from __future__ import annotations
 

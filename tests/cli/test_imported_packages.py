@@ -34,7 +34,7 @@ SHORT = {
 
 
 def imported(folder: Path, *commands: tuple[str, ...], **variables: str) -> set[str]:
-    """The packages that verbs have imported when the last of them ends: one process is enough for all."""
+    """The packages that verbs have imported when the last of them ends, in a single process."""
     environment = {name: value for name, value in os.environ.items() if name != "NUMBA_DISABLE_JIT"} | variables
     code = VERB.format(packages=PACKAGES)
     done = subprocess.run(

@@ -33,7 +33,7 @@ def test_export_offers_what_trajectories_can_be_written_as() -> None:
 
 @pytest.fixture(autouse=True)
 def _a_run(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
-    """A directory that looks like that of a run, with nothing in it."""
+    """An empty directory that looks like that of a run."""
     monkeypatch.chdir(tmp_path)
     (tmp_path / "bowl").mkdir()
     (tmp_path / "bowl" / "manifest.json").write_text('{"ecume": "0"}')
@@ -108,7 +108,7 @@ def test_export_makes_no_folder_that_was_perhaps_misspelt(tmp_path: Path) -> Non
 
 @pytest.fixture
 def cuts(monkeypatch: pytest.MonkeyPatch) -> list[Any]:
-    """Which cuts movies were asked for, instead of movies."""
+    """Record the options of movies instead of making movies."""
     import ecume.show.movies
 
     noted: list[Any] = []
@@ -191,7 +191,7 @@ def test_plot_wants_a_run_or_the_integrators() -> None:
 
 @pytest.fixture
 def drawn(monkeypatch: pytest.MonkeyPatch) -> list[str]:
-    """Figures that only note their names; one of them cannot be drawn."""
+    """Replace figures by functions that record their names; one of them fails."""
     import ecume.show.figures
 
     noted: list[str] = []

@@ -1,4 +1,4 @@
-"""The verbs list and compare, and what verbs print for other programs."""
+"""The verbs list and compare, and output for other programs."""
 
 from __future__ import annotations
 
@@ -137,7 +137,9 @@ def test_runs_of_other_particle_numbers_say_so() -> None:
 
 
 def test_rounding_is_told_from_differences() -> None:
-    """A force of rounding noise beside one of 5 N is no difference; the same number alone in its unit is."""
+    """A force of the size of rounding noise in addition to one of 5 N is not a difference; the same number is one if it
+    is the only one of its unit.
+    """
     from ecume.run.reports import _differences
     from ecume.trajectories.frame import Frame
 

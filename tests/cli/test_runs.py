@@ -34,7 +34,7 @@ def _elsewhere(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
 
 @pytest.fixture
 def asked(monkeypatch: pytest.MonkeyPatch) -> list[Any]:
-    """What `ecume.run.run` was asked, instead of a run."""
+    """Record the arguments of `ecume.run.run` instead of running."""
     calls: list[Any] = []
 
     def run(scene: Any, directory: Path, **options: Any) -> RunResult:
@@ -157,7 +157,7 @@ def test_the_name_of_a_scene_or_of_the_folder_around_is_answered_with_the_runs()
 
 @pytest.mark.compiled
 def test_a_bead_run_is_reported_exported_and_not_replaced() -> None:
-    """The whole way, with the real model, for a few frames."""
+    """All verbs on a run of the real model, for a few frames."""
     words = ["run", "beads.toml", "-o", "beads", "--set", "duration=60 ms", "--quiet"]
     done = cli.invoke(app, words)
     assert done.exit_code == 0, done
@@ -266,7 +266,7 @@ def test_the_users_laws_reach_a_run_and_neither_path_nor_text_is_kept(asked: lis
 
 @pytest.mark.long
 def test_a_run_with_laws_is_resumed_with_their_file_and_says_so_without(tmp_path: Path) -> None:
-    """As plain Python in processes of their own: to compile the time step with the law would take longer."""
+    """Runs as plain Python in separate processes, since compiling the time step with the law would take longer."""
 
     def ecume(*words: str) -> subprocess.CompletedProcess[str]:
         plain = {**os.environ, "NUMBA_DISABLE_JIT": "1"}
@@ -357,7 +357,7 @@ def test_a_run_with_a_named_law_and_an_action_is_resumed_with_their_files(tmp_pa
 
 
 def test_a_run_with_a_slip_of_a_unit_says_so(asked: list[Any]) -> None:
-    """Those who do not check a scene see the remark, too."""
+    """The remark also appears for users who do not check a scene."""
     slip = ["run", "beads.toml", "--set", "liquid.surface_tension=45"]
     text = "liquid.surface_tension: got 45 N/m, 600 times that of water; plain numbers are in SI units: 45 mN/m?"
     assert cli.invoke(app, slip).stderr.startswith(f"ecume: warning: {text}\n")

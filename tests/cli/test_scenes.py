@@ -166,7 +166,7 @@ def test_a_check_reports_the_same_in_plain_python(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("verb", ["check", "run"])
 def test_faults_come_with_the_slips_that_may_cause_them(verb: str) -> None:
-    """A remark on the key of a fault would say the same twice."""
+    """A remark on the key of a fault would repeat the fault."""
     cli.invoke(app, ["new", "settling"])
     done = cli.invoke(
         app, [verb, "settling.toml", "--set", "particles[0].radius=20", "--set", "liquid.temperature=1e9"]
@@ -179,7 +179,7 @@ def test_faults_come_with_the_slips_that_may_cause_them(verb: str) -> None:
 
 
 def test_a_table_that_is_written_twice_is_one_fault() -> None:
-    """Its keys were faults of the table before it, too."""
+    """Its keys were reported as faults of the preceding table, too."""
     cli.invoke(app, ["new", "cereal-bowl"])
     scene = Path("cereal-bowl.toml")
     scene.write_text(scene.read_text(encoding="utf-8") + "\n[dish]\nradius = 0.04\n", encoding="utf-8")

@@ -54,7 +54,7 @@ def test_a_case_that_is_met_ends_with_zero() -> None:
 
 
 def test_a_law_that_is_broken_ends_with_one(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Of the case only walls are computed: all of it is met in tests/validation."""
+    """Only walls are computed for this case, since tests/validation tests all of it."""
     right, whole = meniscus.wall_height, float_forces.read_table
 
     def walls(*place: str) -> list[dict[str, str]]:

@@ -101,7 +101,7 @@ NEW = {
 
 
 def shorten_tables(replace: Callable[[Any, str, Any], None]) -> None:
-    """Tables of corrected pairs with few nodes and orders, which are as smooth and take no minutes."""
+    """Make tables of corrected pairs with few nodes and orders, which are as smooth and take no minutes."""
     replace(multipoles, "NODES", 9)
     replace(multipoles, "ORDER", 2)
 
@@ -111,7 +111,7 @@ TABLES = ("liquid", *DRIVEN, "dish", "integration", "hydrodynamics", "contacts",
 
 
 def scene_with(*names: str) -> Any:
-    """Three unlike small floats at rest with these options."""
+    """Three different small floats at rest with these options."""
     tables = dict.fromkeys(("particles", "more", *TABLES), "")
     for name in names:
         for table, lines in OPTIONS[name][1].items():
@@ -133,13 +133,13 @@ def scene_with(*names: str) -> Any:
 
 
 def pairs() -> list[tuple[str, str]]:
-    """All pairs of options that are not choices of one thing."""
+    """All pairs of options that can be chosen together."""
     return [(one, two) for one, two in itertools.combinations(OPTIONS, 2) if OPTIONS[one][0] != OPTIONS[two][0]]
 
 
 @functools.cache
 def refusal(*names: str) -> str:
-    """Why a scene with these options is refused; empty if it is not."""
+    """The reason why a scene with these options is refused; empty if it is accepted."""
     try:
         FLOATING.parameters(scene_with(*names))
     except SceneError as error:
@@ -148,7 +148,7 @@ def refusal(*names: str) -> str:
 
 
 def page() -> str:
-    """The page: a table of all pairs, and why some are refused."""
+    """The page: a table of all pairs, and the reasons of refusals."""
     found = {pair: refusal(*pair) for pair in pairs()}
     letters = {name: str(number) for number, name in enumerate(OPTIONS, 1)}
 

@@ -17,7 +17,9 @@ DOCS = Path(__file__).parents[2] / "docs" / "physics"
 
 
 def merged(one, other):
-    """Both plain trees; of one key that both set, the second's. Lists of tables are merged table by table."""
+    """Merge two plain trees; of a key that both set, the value of the second one. Lists of tables are merged table by
+    table.
+    """
     if isinstance(one, dict) and isinstance(other, dict):
         return {key: merged(one[key], other[key]) if {key} <= {*one} & {*other} else (one | other)[key]
                 for key in {**one, **other}}  # fmt: skip
@@ -40,7 +42,7 @@ def clash(one, other):
 
 
 def frames_of(plain, laws=()):
-    """The frames of a scene, or the reason why it is refused; `laws` are given where the scene names them."""
+    """The frames of a scene, or the reason why it is refused; `laws` are passed if the scene names them."""
     try:
         return list(simulate(from_plain(plain), extra_laws=laws if "user_laws" in plain else ())), ""
     except SceneError as refused:
@@ -57,7 +59,7 @@ def refusal(plain, laws=()):
 
 
 def broken(plain, frames):
-    """What the model's own rows say is lost in these frames, as sentences."""
+    """The faults that the invariants of the model find in these frames, as sentences."""
     scene = from_plain(plain)
     rows = MODELS[scene.model].invariants(scene, MODELS[scene.model].parameters(scene))
     lines = [with_own({**frame.numbers, "step": float(number)}) for number, frame in enumerate(frames)]
@@ -68,7 +70,7 @@ def broken(plain, frames):
 
 
 def require_sound(plain, frames):
-    """Numbers are finite, particles have moved, and what the model's invariants say holds."""
+    """Require that numbers are finite, particles have moved, and the invariants of the model hold."""
     for name in ("position", "velocity"):
         assert np.isfinite(frames[-1].arrays[name]).all(), name
     assert frames[-1].time > 0.0
@@ -76,7 +78,7 @@ def require_sound(plain, frames):
 
 
 def matrix(options, refusals):
-    """Markdown: a row and a column for each option; and the reasons for which pairs are refused."""
+    """Markdown with a row and a column for each option, and the reasons for which pairs are refused."""
     names, letters = list(options), {}
     for reason in dict.fromkeys(refusals[pair] for pair in itertools.combinations(names, 2) if refusals.get(pair)):
         letters[reason] = chr(ord("a") + len(letters)) if len(letters) < 26 else f"a{chr(ord('a') + len(letters) - 26)}"
@@ -97,7 +99,7 @@ MARKED = re.compile(r"(?<=<!-- option pairs -->\n).*?(?=\n<!-- end -->)", re.DOT
 
 
 def told(options, text):
-    """What a matrix says of each pair: None where both are choices of one key, why it is refused, or nothing."""
+    """The entry of a matrix for each pair: None for two choices of one key, the reason of a refusal, or empty."""
     meanings = {"=": None, "·": ""} | dict(re.findall(r"^- (a?[a-z]): (.*)$", text, re.MULTILINE))
     rows = re.findall(r"^\| \d+ .*\|$", text, re.MULTILINE)
     return {
@@ -108,7 +110,7 @@ def told(options, text):
 
 
 def section(page):
-    """The generated part of a page, between its two marks."""
+    """The generated part of a page, between its two markers."""
     return MARKED.search(page.read_text(encoding="utf-8"))[0]
 
 
@@ -118,7 +120,7 @@ def write_section(page, text):
 
 
 class Pairs:
-    """The pairs of a model's options, what becomes of each, and the page that shows it."""
+    """The pairs of options of a model, their outcomes, and the page that shows them."""
 
     def __init__(self, page, options, plain_of, laws=()):
         self.page, self.options, self.plain_of, self.laws = DOCS / page, options, plain_of, laws
@@ -127,7 +129,7 @@ class Pairs:
         self.told = told(options, section(self.page))
 
     def outcome(self, one, other):
-        """None where both are choices of one key; frames, and why there are none."""
+        """The frames, and the reason of a refusal; None if both options are choices of one key."""
         if (one, other) not in self._found:
             key = clash(self.options[one], self.options[other])
             self._found[one, other] = (None, key) if key else frames_of(self.plain_of(one, other), self.laws)
@@ -144,7 +146,9 @@ class Pairs:
             require_sound(self.plain_of(one, other), frames)
 
     def reason(self, one, other):
-        """None where both are choices of one key; why the pair is refused, by what was run already or by its start."""
+        """The reason why a pair is refused, from earlier runs or from its start; None if both are choices of one
+        key.
+        """
         if (one, other) in self._found:
             frames, reason = self._found[one, other]
             return None if frames is None else reason
@@ -153,5 +157,5 @@ class Pairs:
         return refusal(self.plain_of(one, other), self.laws)
 
     def matrix(self):
-        """What the page has to show."""
+        """The matrix that the page has to show."""
         return matrix(self.options, {pair: self.reason(*pair) for pair in self.names})

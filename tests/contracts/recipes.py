@@ -1,4 +1,4 @@
-"""A copy of the package that is changed as the recipes in docs/extend say."""
+"""A copy of the package, changed according to the recipes in docs/extend."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ def block(name: str) -> str:
 
 
 def place_of(name: str) -> tuple[str, str]:
-    """Where the text before a block puts it: above a line, last in a table, or at the end of the file."""
+    """The position according to the text before a block: above a line, last in a table, or at the end of the file."""
     text = re.split(rf"```(?:python|text) {name}\n", page_of(name))[0].rpartition("```")[2]
     found = re.findall(r"(above|end\s+of)\s+(?:`([^`]+)`|the\s+file)", text, re.IGNORECASE)
     assert found, f"the text before {name} does not say where it goes"
@@ -40,7 +40,7 @@ def place_of(name: str) -> tuple[str, str]:
 
 
 class Copy:
-    """A copy of the package and of what its tests need."""
+    """A copy of the package and of the files that its tests need."""
 
     def __init__(self, folder: Path, parts: tuple[str, ...] = ("src",)) -> None:
         self.folder, self.changed = folder, set[Path]()
@@ -50,7 +50,9 @@ class Copy:
         shutil.copy(ROOT / "pyproject.toml", folder)
 
     def edit(self, file: str, where: str, anchor: str, text: str) -> None:
-        """Put text before the only line that begins with the anchor, last into the table there, or at the end."""
+        """Insert text before the only line that begins with the anchor, as the last row of the table there, or at the
+        end.
+        """
         path = self.folder / "src" / "ecume" / file
         lines = path.read_text(encoding="utf-8").splitlines(keepends=True)
         place = len(lines)
@@ -66,7 +68,7 @@ class Copy:
         self.changed.add(path)
 
     def follow(self, file: str, name: str) -> None:
-        """Put a block of a recipe where the text before it says."""
+        """Insert a block of a recipe at the position according to the text before it."""
         where, anchor = place_of(name)
         self.edit(file, where, anchor, block(name) + "\n\n" * (where == "before"))
 
@@ -77,7 +79,7 @@ class Copy:
         path.write_text(text, encoding="utf-8")
 
     def python(self, *arguments: str, **environment: str) -> subprocess.CompletedProcess[str]:
-        """What a process of its own makes of the copy."""
+        """The result of a separate process that uses the copy."""
         places = {"PYTHONPATH": os.pathsep.join([str(self.folder / "src"), str(self.folder)])}
         asked = {**os.environ, **places, **environment}
         return subprocess.run([sys.executable, *arguments], cwd=self.folder, env=asked, capture_output=True, text=True)

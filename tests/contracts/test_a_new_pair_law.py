@@ -78,7 +78,7 @@ def copy(tmp_path_factory):
 @pytest.mark.long
 @pytest.mark.compiled
 def test_two_floats_repel_by_a_new_law_with_friction_and_without(copy):
-    """Compiled with friction, as plain Python without: either takes its own way to the law."""
+    """Compiled with friction, as plain Python without: the two cases find the law in different ways."""
     rough = REPELLING.replace("FRICTION", "0.3")
     (apart,) = copy.printed(rough)
     assert copy.printed(REPELLING.replace("FRICTION", "0.0"), NUMBA_DISABLE_JIT="1") == [apart]

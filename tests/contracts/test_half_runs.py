@@ -62,7 +62,7 @@ def copied(state):
 
 
 def states(scene, pauses, state=None, laws=()):
-    """Copies of the state after each step, or after each few steps where a step is quick."""
+    """Copies of the state after each step, or after several if steps are fast."""
     several = itertools.islice(moments(scene, state=state, extra_laws=laws, patience=0.0), pauses + 1)
     return [copied(moment.state) for moment in several]
 
@@ -95,7 +95,7 @@ TOGETHER = [
 
 
 def colliding_floats(*names):
-    """The scene of some options in which floats touch."""
+    """A scene with these options in which floats touch."""
     plain = to_plain(float_options.scene_with(*names))
     for species, speed in zip(plain["particles"], SPEEDS, strict=False):
         species["velocities"] = [eval(speed)]
@@ -138,7 +138,7 @@ def test_half_a_run_of_tracers_with_an_option(name):
 
 
 def scene_with_deposits(seed):
-    """Particles that enter, diffuse, fly and stay on some walls and a disc, in a random flow."""
+    """Particles that enter, diffuse, fly and adhere to some walls and a disc, in a random flow."""
     rng = np.random.default_rng(seed)
     flow = {"name": "channel", "speed": 0.01} if seed % 2 else {"velocity": rng.uniform(-0.01, 0.01, 2).tolist()}
     walls = [{"wall": int(wall), "sticking": True} for wall in rng.choice([0, 1, 3], 2, replace=False)]

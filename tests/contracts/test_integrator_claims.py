@@ -25,7 +25,7 @@ CLAIMS = [(name, capability) for name, row in INTEGRATORS.items() for capability
 
 
 def end_with(integrator, capability, *, chosen):
-    """Where a lone float ends in a dish without a meniscus, with the option or without it."""
+    """The final position of a single float in a dish without a meniscus, with or without the option."""
     liquid, lines = OPTIONS[capability]
     tables = {"dish": 'radius = 0.1\nlaw = "none"\n', "hydrodynamics": ""}
     tables["integration"] = f'integrator = "{integrator}"\ntime_step = {DURATION / STEPS!r}\n'

@@ -1,4 +1,4 @@
-"""What holds for every law: its units, its papers, its examples, and that compiling changes nothing."""
+"""Properties of every law: its units, its papers, its examples, and equality of compiled and plain results."""
 
 import doctest
 import importlib
@@ -174,7 +174,7 @@ def public(module):
 
 
 def arguments(law):
-    """A sample for each argument that has no default. A KeyError: give the new argument a sample."""
+    """A sample for each argument without a default. A KeyError means that a new argument needs a sample."""
     wanted = [name for name, given in inspect.signature(law).parameters.items() if given.default is given.empty]
     hints = typing.get_type_hints(law)
     return {name: SAMPLES_OF_TYPES.get(hints[name]) or SAMPLES[name] for name in wanted}
@@ -185,13 +185,13 @@ REGISTRY = pint.UnitRegistry(cache_folder=None)
 
 @cache
 def scale(symbol):
-    """How many odd units one SI unit is."""
+    """The number of odd units in one SI unit."""
     dimensions = REGISTRY.Quantity(1.0, symbol).dimensionality
     return float(np.prod([ODD[name] ** float(power) for name, power in dimensions.items()]))
 
 
 def rescaled(value, hint):
-    """The same physical thing in odd units."""
+    """The same quantity in odd units."""
     if is_dataclass(value):
         hints = typing.get_type_hints(type(value), include_extras=True)
         return replace(value, **{f.name: rescaled(getattr(value, f.name), hints[f.name]) for f in fields(value)})

@@ -63,7 +63,7 @@ def require_this_pass(model, path):
 
 
 def keys_of(model):
-    """The path of each key that is no table itself, `fluid.low`."""
+    """The path of each key that is not a table, such as `fluid.low`."""
     for table in reference.tables(SCENES[model]):
         start = table.path.strip("[]")
         for field in reference.fields_of(table.kind):
@@ -72,12 +72,12 @@ def keys_of(model):
 
 
 def lists_of(model):
-    """The paths of tables of which a scene has several."""
+    """The paths of tables of which a scene may have several."""
     return {table.path.strip("[]") for table in reference.tables(SCENES[model]) if table.path.startswith("[[")}
 
 
 def change(model, path, value):
-    """A plain scene of this key alone."""
+    """A plain scene that contains only this key."""
     parts = path.split(".")
     found = value
     for depth in range(len(parts), 0, -1):
@@ -88,7 +88,7 @@ def change(model, path, value):
 
 
 def both(model, path):
-    """The scene, and the same with another value of one key."""
+    """The scene, and the scene with another value of one key."""
     effect = EFFECTS[model].EFFECTS[path]
     scene = merged(EFFECTS[model].BASE, effect.beside)
     return scene, merged(scene, change(model, path, effect.value))
@@ -103,12 +103,12 @@ def ran(text):
 
 
 def frames_of(plain):
-    """The frames of a scene; of one base only one run is made."""
+    """The frames of a scene; for each base scene only one run is made."""
     return ran(repr(plain))
 
 
 def recorded(plain):
-    """Everything that frames hold, as bytes."""
+    """All data in frames, as bytes."""
     found = []
     for frame in frames_of(plain):
         found.append((frame.time, tuple(frame.numbers.items()), tuple(frame.units.items())))
@@ -130,7 +130,7 @@ def pictured(plain):
 
 
 def refusal(plain):
-    """Why a scene is refused; empty if it runs."""
+    """The reason why a scene is refused; empty if it runs."""
     try:
         frames_of(plain)
     except EcumeError as fault:
@@ -169,7 +169,7 @@ def test_changing_a_key_alone_shows(model, path, monkeypatch, tmp_path):
 
 
 def as_rows(plain):
-    """The same scene, its floats one by one, as tables and runs give them; None if they have no positions."""
+    """The scene with its floats as rows, as from tables and runs; None if they have no positions."""
     if not all(species.get("positions") for species in plain["particles"]):
         return None
     rows = []
@@ -190,7 +190,7 @@ PLACED = (
 
 
 def as_count(plain):
-    """The same scene, its floats placed by the program; None if a key gives each float something of its own."""
+    """The scene with floats placed by the program; None if a key has a value for each float."""
     if plain.get("rows") or plain.get("waves", {}).get("headings"):
         return None
     particles = []
@@ -202,7 +202,7 @@ def as_count(plain):
 
 
 def as_placed(plain):
-    """The same scene, tracers or spheres where their first frame shows them, with the radii that it shows."""
+    """The scene with tracers or spheres at the positions, and with the radii, of its first frame."""
     frame, particles = frames_of(plain)[0], []
     for number, species in enumerate(plain["particles"]):
         mine = frame.arrays["species"] == number
@@ -215,7 +215,7 @@ def as_placed(plain):
 
 
 def as_particles(plain):
-    """The same tank, its liquid particle by particle, as tables and runs give it."""
+    """The tank with its liquid as single particles, as from tables and runs."""
     frame, regions = frames_of(plain)[0], []
     names = {"positions": "position", "velocities": "velocity", "densities": "density", "masses": "mass"}
     for number, region in enumerate(plain["fluid"]):
@@ -264,7 +264,7 @@ def test_changing_a_key_alone_shows_whichever_way_particles_are_given(model, way
 
 
 def files(plain, folder):
-    """The frames and samples of a run, as bytes, or why it is refused."""
+    """The frames and samples of a run as bytes, or the reason of its refusal."""
     try:
         run(from_plain(plain), folder)
     except EcumeError as fault:

@@ -1,4 +1,4 @@
-"""What holds for every pair law of floats, with every option that it can be combined with, through the model itself."""
+"""Properties of every pair law of floats, with every option with which it can be combined, in the model itself."""
 
 import dataclasses
 import itertools
@@ -162,7 +162,7 @@ combined = pytest.mark.parametrize(
 
 
 def scene_with(name, option, **changes):
-    """Four unlike floats at rest, none of which touch."""
+    """Four different floats at rest that do not touch."""
     asked = {"motion": FREE, "floats": "", "contacts": "", "interaction": "", "more": ""} | OPTIONS[option] | changes
     floats = "".join(
         f"[[particles]]\nradius = {radius}\ndensity = {density}\ncontact_angle = 1.5\npositions = [{list(place)}]\n"
@@ -175,7 +175,7 @@ def scene_with(name, option, **changes):
 
 
 def refused_by(name, raising, error=SceneError):
-    """What is refused for what a law cannot do, and nothing else; None where it is not."""
+    """The options that are refused only because of missing capabilities of a law; None if none is refused."""
     try:
         raising()
     except error as refused:
@@ -187,7 +187,7 @@ def refused_by(name, raising, error=SceneError):
 
 
 def begun(name, option, model=FLOATING, **changes):
-    """Parameters, state and workspace; skips what the law cannot do."""
+    """Parameters, state and workspace; the test is skipped for combinations that the law does not support."""
     scene = scene_with(name, option, **changes)
     if refused := refused_by(name, lambda: model.parameters(scene)):
         pytest.skip(refused)
@@ -197,7 +197,7 @@ def begun(name, option, model=FLOATING, **changes):
 
 
 def first_forces(model, parameters, state, workspace):
-    """The forces that one short step from rest lets floats feel, taken from their velocities."""
+    """The forces on floats in one short step from rest, from their velocities."""
     assert model.advance(parameters, state, workspace, 1) == 0
     if not parameters.scheme.inertia:
         resistance = parameters.floats.mass / parameters.floats.relaxation_time
@@ -207,7 +207,7 @@ def first_forces(model, parameters, state, workspace):
 
 
 def sum_of_own_forces(parameters, position, force):
-    """Of all pairs: force(distance, own) on the first, away from the second."""
+    """The sum over all pairs of force(distance, own), on the first float away from the second."""
     floats, total = parameters.floats, np.zeros_like(position)
     medium = parameters.pair[CAPILLARY_LENGTH], parameters.pair[SURFACE_TENSION]
     for i, j in itertools.permutations(range(len(position)), 2):
@@ -219,7 +219,7 @@ def sum_of_own_forces(parameters, position, force):
 
 
 def minus_slope(parameters, state, step=1e-7):
-    """-dU/dx of the potential energy that frames report."""
+    """The negative gradient -dU/dx of the potential energy in frames."""
     found = np.zeros_like(state.position)
     for i, axis in np.ndindex(found.shape):
         energies = []

@@ -153,7 +153,7 @@ print(json.dumps({
 
 @pytest.fixture(scope="module")
 def made(tmp_path_factory):
-    """Which files each recipe changed, and what a process with all of them printed."""
+    """The files that each recipe changed, and the output of a process with all of them."""
     copy, files = Copy(tmp_path_factory.mktemp("copy")), {}
     for recipe, edits in EDITS.items():
         copy.changed.clear()
@@ -273,7 +273,7 @@ print(json.dumps({
 
 @pytest.fixture(scope="module")
 def ring(tmp_path_factory):
-    """What a process printed that ran the model of the page; and which files of the package there are besides."""
+    """The output of a process that ran the model of the page, and the additional files of the package."""
     copy = Copy(tmp_path_factory.mktemp("beads"))
     copy.write("models/beads.py", block("beads"))
     copy.follow("models/__init__.py", "beads-row")

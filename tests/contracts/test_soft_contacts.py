@@ -1,4 +1,4 @@
-"""What holds for every row of the tables of soft contacts, through the code that contacts are made of."""
+"""Properties of every row of the tables of soft contacts, tested through the code of contacts."""
 
 import inspect
 import math
@@ -33,7 +33,7 @@ pytestmark = pytest.mark.compiled
 
 
 def scene_of(films=(), remote=(), x=2.03):
-    """Two spheres face to face."""
+    """Two spheres in contact."""
     spheres = [{"radius": 1.0, "modulus": 1.0, "positions": [[place, 0.0]]} for place in (0.0, x)]
     return from_plain({
         "model": "soft", "duration": 1.0, "frame_every": 1.0, "particles": spheres, "films": dict(films),

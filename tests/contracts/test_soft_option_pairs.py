@@ -28,12 +28,12 @@ RUN = {"time": 0.0}
 
 
 def stage(**given):
-    """A protocol that begins with this."""
+    """A protocol with these values at the beginning."""
     return {**BOX, "protocol": [{**RUN, **given}]}
 
 
 def until(**given):
-    """A protocol that reaches this at the end."""
+    """A protocol with these values at the end."""
     return {**BOX, "protocol": [RUN, {"time": 0.2, **given}]}
 
 
@@ -92,7 +92,7 @@ OPTIONS = {
 
 
 def plain_of(one, other):
-    """The scene of two options: four spheres close together."""
+    """The scene of two options: four spheres close to contact."""
     asked = copy.deepcopy(merged(OPTIONS[one], OPTIONS[other]))
     dimensions, boxed, gravity = asked.pop("dimensions", 2), "cell" in asked, asked.pop("gravity", 0.0)
     torque, glued = asked.pop("torque", 0.0), asked.pop("glued", None)

@@ -1,4 +1,4 @@
-"""Every kernel of the table runs in a tank as the formula that its row has, and a new one needs no other file."""
+"""Every kernel of the table runs in a tank by the formula of its row, and a new one needs no other file."""
 
 import json
 import os
@@ -191,7 +191,9 @@ print(json.dumps({
 
 @pytest.fixture(scope="module")
 def recipe(tmp_path_factory):
-    """The only file of a copy of the package that the recipe edits, the folder of the copy, and a tank's first use."""
+    """The only file of a copy of the package that the recipe edits, the folder of the copy, and the first use of a
+    tank.
+    """
     folder = tmp_path_factory.mktemp("kernel")
     copy = folder / "src" / "ecume"
     shutil.copytree(PACKAGE, copy, ignore=shutil.ignore_patterns("__pycache__"))
@@ -229,7 +231,7 @@ def test_a_new_kernel_is_compiled_once_and_again_when_it_is_edited(recipe):
 
 
 def used(folder):
-    """What a tank of a fresh process makes of the last kernel of the package in a folder."""
+    """The result of a tank with the last kernel of the package in a folder, in a new process."""
     places = {"ECUME_CACHE_DIR": str(folder / "cache"), "PYTHONPATH": f"{folder / 'src'}{os.pathsep}{ROOT}"}
     words = [sys.executable, "-c", USE]
     done = subprocess.run(words, env={**os.environ, **places}, capture_output=True, text=True, check=False)

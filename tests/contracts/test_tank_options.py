@@ -1,4 +1,6 @@
-"""Every pair of options of a tank runs, and keeps what the model promises, or is refused with a physical reason."""
+"""Every pair of options of a tank runs and satisfies the invariants of the model, or is refused with a physical
+reason.
+"""
 
 import itertools
 import re
@@ -30,7 +32,7 @@ TENSE = {"liquid": {"surface_tension": 0.02}}
 
 
 def methods(key, names, **more):
-    """One option for each name that a key of `[method]` takes."""
+    """One option for each value of a key of `[method]`."""
     return {f"{key} = {name}": {"method": {key: name}, **more} for name in names if name != "none"}
 
 
@@ -84,7 +86,7 @@ TWO_KERNELS = [f"kernel = {name}" for name in ("quintic-spline", "wendland-c4")]
 
 
 def tells_something_new(pair):
-    """Whether a pair is tried: those of a kernel and an option that has nothing to do with it are tried for two."""
+    """Whether a pair is tested: a kernel and an unrelated option only for two kernels."""
     kernels = [name for name in pair if OPTIONS[name][0] == "kernel"]
     return not kernels or kernels[0] in TWO_KERNELS or bool({OPTIONS[name][0] for name in pair} & OF_KERNELS)
 
@@ -101,7 +103,7 @@ VECTORS = ("low", "high", "gravity", "center", "amplitude", "velocity")
 
 
 def deepened(value, key=""):
-    """A part of a scene in 3D."""
+    """A part of a scene, extended to 3D."""
     if isinstance(value, dict):
         return {name: deepened(part, name) for name, part in value.items()}
     if key in ("positions",):
@@ -141,7 +143,7 @@ def frames_of(scene, steps=3):
 
 
 def reason_of(names):
-    """Why a pair is refused; None where it is not."""
+    """The reason why a pair is refused; None if it is not."""
     try:
         SPH.parameters(scene_with(names))
     except SceneError as error:
@@ -150,7 +152,7 @@ def reason_of(names):
 
 
 def marks(pair):
-    """So many take too long as plain Python; each in 3D compiles time steps of its own."""
+    """The marks of slow tests: so many take too long as plain Python, and each in 3D compiles separate time steps."""
     return [pytest.mark.compiled, *[pytest.mark.long] * ("3D" in pair)]
 
 
@@ -179,7 +181,7 @@ MASSES = ("density", "viscosity", "surface_tension")
 
 
 def heavier(value):
-    """The same scene with liquids, solids and tracers so many times heavier, viscosity and tension included."""
+    """The scene with liquids, solids and tracers heavier by a factor, including viscosity and tension."""
     if isinstance(value, dict):
         return {
             key: HEAVIER * part if key in MASSES and isinstance(part, float) else heavier(part)
@@ -197,7 +199,7 @@ SCALED = [*((name,) for name in OPTIONS), *(pair for pair in PAIRS if "pressure_
     [pytest.param(each, id=" + ".join(each), marks=marks(each)) for each in SCALED],
 )
 def test_a_motion_does_not_depend_on_the_unit_of_mass(names):
-    """In units of a gram the same scene has a thousand times the numbers, and moves in the same way."""
+    """In units of a gram the numbers of the scene are a thousand times larger, and the motion is the same."""
     if reason_of(names) is not None:
         return
     scene = scene_with(names)
@@ -229,7 +231,7 @@ def test_every_row_of_the_tables_is_among_the_options():
 
 
 def refusals():
-    """The rows of the documentation's table, one for each pair that is refused."""
+    """The rows of the table in the documentation, one for each refused pair."""
     found = {pair: reason_of(pair) for pair in PAIRS}
     return [f"| {one} | {other} | {reason} |" for (one, other), reason in found.items() if reason is not None]
 

@@ -24,15 +24,15 @@ pytestmark = pytest.mark.compiled
 
 
 class Scales(NamedTuple):
-    """By what numbers grow that measure mass, length and time."""
+    """The factors of numbers that measure mass, length and time."""
 
     mass: float
     length: float
     time: float
 
     def of(self, dimension: tuple[float, float, float, float, float]) -> float:
-        """Of a quantity with these powers of mass, length, time, temperature and current. Boltzmann's constant and
-        the permeability of the vacuum stay what they are.
+        """The factor of a quantity with these powers of mass, length, time, temperature and current. Boltzmann's
+        constant and the permeability of the vacuum are not scaled.
         """
         mass, length, time, temperature, current = dimension
         energy = self.mass * self.length**2 / self.time**2
@@ -49,13 +49,13 @@ LONG = {"docking-quadrupoles", "ellipsoids-docking", "pattern-formation", "settl
 
 @cache
 def powers(symbol: str) -> tuple[float, float, float, float, float]:
-    """Of mass, length, time, temperature and current in a unit."""
+    """The powers of mass, length, time, temperature and current in a unit."""
     found = pint.application_registry.Quantity(1.0, symbol).dimensionality
     return tuple(float(found[f"[{name}]"]) for name in ("mass", "length", "time", "temperature", "current"))  # type: ignore[return-value]
 
 
 def rescaled(plain: dict[str, Any], value: Any, scales: Scales, path: tuple[Any, ...] = ()) -> Any:
-    """The same scene in other units."""
+    """The scene in other units."""
     if isinstance(value, dict):
         return {key: rescaled(plain, each, scales, (*path, key)) for key, each in value.items()}
     if isinstance(value, list | tuple):

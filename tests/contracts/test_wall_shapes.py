@@ -1,4 +1,4 @@
-"""What holds for every shape of a dish, in the model, in pictures, on the page and at play."""
+"""Properties of every shape of a dish: in the model, in pictures, on the page and in games."""
 
 import dataclasses
 import itertools
@@ -36,7 +36,7 @@ each_shape = pytest.mark.parametrize("name", SHAPES)
 
 
 def scene_in(name, floats, *, dish='law = "none"', hydrodynamics='drag = "none"', **times):
-    """Floats in a dish of a shape, which do not act on each other."""
+    """Floats without mutual forces in a dish of this shape."""
     size = f'shape = "{name}"\n{SHAPES[name].key} = {SIZES[SHAPES[name].key]}\n'
     spec = f"[[particles]]\nradius = {RADIUS}\ndensity = 600.0\ncontact_angle = 1.2\n{floats}\n"
     rest = f'[interaction]\nlaw = "none"\n[hydrodynamics]\n{hydrodynamics}\n[contacts]\nrestitution = 1.0\n'
@@ -44,7 +44,7 @@ def scene_in(name, floats, *, dish='law = "none"', hydrodynamics='drag = "none"'
 
 
 def inside(walls, count=20, seed=3):
-    """Points inside, not too near to a wall."""
+    """Points inside, at some distance from walls."""
     chance = np.random.default_rng(seed)
     low, high = surfaces.bounds(walls)
     points = chance.uniform(low, high, (40 * count, 2))
@@ -188,7 +188,7 @@ def test_a_polygon_that_holds_no_raft_is_refused(vertices, why):
 
 @pytest.mark.compiled  # thousands of steps; one float does the same as plain Python above
 def test_floats_in_a_triangle_keep_their_energy_and_stay_inside():
-    """At short steps: in a sharp corner, a second collision within a step is plastic."""
+    """With short steps, since in a sharp corner a second collision within a step is plastic."""
     frames = {}
     for step in (1e-3, 5e-3):
         scene = scene_in("polygon", "count = 12\nvelocity = [0.04, 0.03]", duration=3.0, frame_every=0.5,

@@ -23,7 +23,7 @@ IMPORTED = ("matplotlib.figure", "numba", "scipy.optimize", "scipy.stats", "ecum
 
 
 class Ended(NamedTuple):
-    """How a script ended."""
+    """The end of a script: exit code and output."""
 
     returncode: int
     stdout: str

@@ -1,4 +1,4 @@
-"""Commands on the pages name only scenes, tables and runs that something above them on the page creates."""
+"""Commands on pages name only scenes, tables and runs that are created earlier on the page."""
 
 import re
 import shlex
@@ -21,18 +21,18 @@ RUN_VERBS = {"movie", "plot", "view", "export", "resume", "info", "verify", "rep
 
 
 def created(block: str) -> set[str]:
-    """What a block of a scene, a table or a program is called: its first comment says so."""
+    """The name of the file that a block of a scene, a table or a program creates, from its first comment."""
     first = block.split("\n", 1)[0]
     return set(re.findall(r"[\w./-]+\.(?:toml|csv|py)", first)) if "#" in first else set()
 
 
 def option(words: list[str], *names: str) -> str | None:
-    """The value behind an option."""
+    """The value that follows an option."""
     return next((words[k + 1] for k, word in enumerate(words[:-1]) if word in names), None)
 
 
 def followed(words: list[str], known: set[str]) -> list[str]:
-    """What a command needs and nothing has created; what it creates is known from now on."""
+    """The files that a command needs and that do not exist; the files that it creates are recorded."""
     verb, *rest = words
     plain = [word for word in rest if not word.startswith("-")]
     target = option(rest, "-o", "--out")

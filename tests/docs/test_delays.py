@@ -1,4 +1,4 @@
-"""The recorded delays under stress are those of equal volume fractions, and what the page says of them is so."""
+"""The recorded delays under stress are at equal volume fractions, and the page describes them correctly."""
 
 import importlib.util
 import math

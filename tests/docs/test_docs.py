@@ -1,4 +1,4 @@
-"""What the documentation says is so: its code runs, its links lead somewhere, its options and papers exist."""
+"""The documentation is correct: its code runs, its links are valid, its options and papers exist."""
 
 import contextlib
 import dataclasses
@@ -82,7 +82,7 @@ each_page = pytest.mark.parametrize("page", PAGES, ids=name_of)
 
 
 def blocks(page, language):
-    """The fenced blocks of a language; those marked `no-run` are only shown."""
+    """The fenced blocks of a language; blocks marked `no-run` are only shown."""
     return re.findall(rf"^```{language}\n(.*?)^```", page.read_text(encoding="utf-8"), re.MULTILINE | re.DOTALL)
 
 
@@ -93,7 +93,7 @@ def prose(page):
 
 @pytest.fixture
 def beside_a_run(tmp_path, monkeypatch):
-    """A folder with what the examples name: the cereal bowl and its run, both short."""
+    """A folder with the files that examples name: the cereal bowl and its run, both short."""
     from ecume.run import run
     from ecume.scenes.templates import copy_template
 
@@ -121,13 +121,13 @@ def test_the_python_of_a_page_runs(page):
 
 
 def outputs(page):
-    """What a page shows below each block of Python as its output; empty where nothing is shown."""
+    """The output below each block of Python on a page; empty if the page shows none."""
     text = page.read_text(encoding="utf-8")
     return re.findall(r"^```python\n.*?^```(?:\n\n```text\n(.*?)^```)?", text, re.MULTILINE | re.DOTALL)
 
 
 def scenes_of(page):
-    """The scenes that a page gives a file's name, in a comment at their top."""
+    """The scenes that a page assigns to file names, in a comment at their top."""
     named = ((re.match(r"# ([\w-]+\.toml)\n", text), text) for text in blocks(page, "toml"))
     return {match[1]: text for match, text in named if match}
 
@@ -159,7 +159,7 @@ def test_the_links_of_a_page_lead_somewhere(page):
 
 
 def anchors(page):
-    """The names that headings get on a page."""
+    """The anchors of the headings of a page."""
     headings = re.findall(r"^#+ (.*)$", prose(page), re.MULTILINE)
     return {re.sub(r"[^\w\- ]", "", heading.lower()).replace(" ", "-") for heading in headings}
 
@@ -172,7 +172,7 @@ def test_the_papers_of_a_page_are_in_the_bibliography(page):
 
 
 def part_of(kind, name):
-    """The table of a scene at its top, if it has one of that name."""
+    """The table of a scene with this name at its top, if there is one."""
     hint = typing.get_type_hints(kind).get(name)
     return next((each for each in (hint, *typing.get_args(hint)) if dataclasses.is_dataclass(each)), None)
 
@@ -198,7 +198,9 @@ def test_the_scene_of_the_readme_is_the_template():
 
 @functools.cache
 def files_of_ours():
-    """All Python files, each as "/path". The root itself is not walked: other tests create and remove files there."""
+    """All Python files, each as "/path". The root itself is not searched, since other tests create and remove files
+    there.
+    """
     folders = ("benchmarks", "docs", "examples", "src", "tests")
     return [f"/{path.relative_to(ROOT).as_posix()}" for name in folders for path in (ROOT / name).rglob("*.py")]
 
@@ -218,13 +220,13 @@ def test_every_command_that_a_page_names_exists(page):
 
 
 def unit_of(hint):
-    """The unit somewhere inside an annotation."""
+    """The unit contained in an annotation."""
     units = [extra.symbol for extra in getattr(hint, "__metadata__", ()) if isinstance(extra, Unit)]
     return next((found for found in [*units, *map(unit_of, typing.get_args(hint))] if found), "")
 
 
 def facts(kind):
-    """What a table of options has to say of each key: its name, unit and default."""
+    """The required facts on each key in a table of options: its name, unit and default."""
     hints = typing.get_type_hints(kind, include_extras=True)
     for field in dataclasses.fields(kind):
         unit = unit_of(hints[field.name]) or READ.get(field.name, "")
@@ -305,7 +307,9 @@ def test_the_errors_of_the_simpler_theories_are_those_of_the_table():
 
 
 def errors_of_theories(bond):
-    """In percent: the linear slope of two spheres, their linear charge, their charge in closed form."""
+    """The errors in percent: of the linear slope of two spheres, of their linear charge, and of their charge in closed
+    form.
+    """
     spheres = [(bond, 0.2, math.radians(60.0)), (bond, 1.5, math.radians(90.0))]
     exact = [flotation.nonlinear_balance(*sphere) for sphere in spheres]
     linear = [flotation.linear_balance(*sphere) for sphere in spheres]

@@ -1,4 +1,4 @@
-"""The pages that are drawn from the code: nothing is missing there, and links and formulas are as wanted."""
+"""The pages that are generated from the code are complete, and have the required links and formulas."""
 
 import dataclasses
 import importlib
@@ -20,7 +20,7 @@ ROOT = Path(__file__).parents[2]
 
 @pytest.fixture(scope="module")
 def makers():
-    """Imports a maker of pages by name, as `python docs/making` does."""
+    """A function that imports a maker of pages by name, as `python docs/making` does."""
     sys.path.insert(0, str(ROOT / "docs" / "making"))
     yield importlib.import_module
     sys.path.pop(0)

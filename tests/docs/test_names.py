@@ -32,7 +32,7 @@ def files() -> dict[str, Path]:
 
 @cache
 def trees() -> dict[str, ast.Module]:
-    """The syntax tree of each module; not read where tests are only collected."""
+    """The syntax tree of each module; not parsed if tests are only collected."""
     return {name: ast.parse(path.read_text(encoding="utf-8")) for name, path in files().items()}
 
 
@@ -75,7 +75,7 @@ def anywhere() -> frozenset[str]:
 
 @cache
 def keys_of_scenes() -> frozenset[str]:
-    """The names that stand in the modules of scenes, such as the keys of their tables."""
+    """The names in the modules of scenes, such as the keys of their tables."""
     return frozenset().union(*(defined(module) for module in trees() if module.startswith("ecume.scenes")))
 
 
@@ -90,8 +90,8 @@ def is_module_or_part(name: str) -> bool:
 
 
 def resolves(name: str, module: str) -> bool:
-    """Whether a name with dots means something where it stands: a module or a part of one, the path of a key in a
-    scene, or a field of an argument of the module's functions.
+    """Whether a name with dots refers to something at its place: a module or a part of one, the path of a key in a
+    scene, or a field of an argument of the functions of the module.
     """
     if FILES.search(name) or name.startswith(ELSEWHERE) or EXAMPLES.match(name) or is_module_or_part(name):
         return True
@@ -109,7 +109,7 @@ def is_known(name: str, module: str) -> bool:
 
 
 def missing(text: str, module: str) -> list[str]:
-    """The names in backticks in a text of a module that mean nothing there."""
+    """The names in backticks in a text of a module that refer to nothing."""
     dotted = [name for name in DOTTED.findall(text) if not resolves(name, module)]
     return dotted + [name for name in SINGLE.findall(text) if not EXAMPLES.match(name) and not is_known(name, module)]
 

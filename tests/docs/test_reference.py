@@ -46,7 +46,7 @@ def keys(model):
 
 
 def poor(field):
-    """What an entry lacks."""
+    """The missing parts of an entry."""
     faults = []
     if len(words(scenes.meaning_of(field))) < LEAST:
         faults.append("meaning")
@@ -67,7 +67,7 @@ def test_an_entry_that_only_repeats_the_unit_is_refused(says):
 
 
 def accepted(field, sample):
-    """Whether a value is one that a key takes."""
+    """Whether a value is valid for a key."""
     if sample.startswith(("[[", "[")) and re.fullmatch(r"\[+[a-z_]+\]+", sample):
         return True
     try:

@@ -1,4 +1,4 @@
-"""What the page on rifts in rafts states is what was recorded."""
+"""The page on rifts in rafts agrees with the recorded numbers."""
 
 import csv
 import importlib.util

@@ -1,4 +1,4 @@
-"""Every script runs in its small size: benchmarks, beside what packages there are, figures, clips, studies."""
+"""Every script runs in its small size: benchmarks with the installed packages, figures, clips, studies."""
 
 import importlib
 import os
@@ -57,7 +57,7 @@ figures.main(names[len(names) * {part} // {parts} : len(names) * ({part} + 1) //
 
 @pytest.fixture(scope="module")
 def scripts(tmp_path_factory):
-    """Runs scripts."""
+    """A function that runs scripts."""
     started = Scripts(tmp_path_factory.mktemp("scripts"))
     yield started
     started.close()
@@ -121,7 +121,7 @@ def test_figures_are_drawn(scripts, part):
 
 @pytest.fixture
 def benchmark(monkeypatch):
-    """Imports a script of the benchmarks."""
+    """A function that imports a script of the benchmarks."""
     monkeypatch.syspath_prepend(ROOT / "benchmarks")
     return importlib.import_module
 

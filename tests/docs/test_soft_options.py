@@ -30,7 +30,7 @@ TABLES = {
 
 
 def keys_told(title):
-    """The keys in the page's row of a table; what is in parentheses explains."""
+    """The keys in the row of a table on the page, without explanations in parentheses."""
     lines = [line for page in PAGES for line in page.read_text(encoding="utf-8").splitlines()]
     rows = [line for line in lines if line.startswith("|")]
     (row,) = [line for line in rows if line.split("|")[1].strip(" `") == title]

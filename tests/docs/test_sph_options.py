@@ -1,4 +1,4 @@
-"""The page on liquids of particles speaks of every option that a scene may name, and of every key."""
+"""The page on liquids of particles describes every option that a scene may name, and every key."""
 
 import dataclasses
 import re
@@ -34,7 +34,7 @@ FAMILIES = {
 
 
 def literals(spec, key):
-    """The names that a key of a scene takes by its type."""
+    """The names that the type of a key permits."""
     kinds = typing.get_args(typing.get_type_hints(spec)[key])
     return [name for name in kinds if isinstance(name, str) and name]
 
@@ -84,7 +84,7 @@ NAMED = {
 
 
 def pictures(spec, key, name=None):
-    """The files that the table says show a key, or one of its names."""
+    """The files that show a key, or one of its names, according to the table."""
     mine = [row for row in ROWS if row[0] == CALLED[spec] and f"`{key}`" in row[1]]
     return [FOLDER / "physics" / re.search(r"\((.*)\)", row[2])[1] for row in mine if not name or f"`{name}`" in row[1]]
 

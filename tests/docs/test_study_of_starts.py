@@ -1,4 +1,4 @@
-"""The recorded starts of packings under stress are what the page says of them."""
+"""The page on the onset of flow of packings under stress agrees with the recorded numbers."""
 
 import importlib.util
 import re
@@ -17,7 +17,7 @@ def study():
 
 
 def said(time, longest):
-    """A time as the page has it."""
+    """A time in the format of the page."""
     return "none" if time >= longest else f"{time:g} s"
 
 

@@ -39,7 +39,7 @@ def name_of(path: Path) -> str:
 
 @cache
 def avoided() -> re.Pattern[str]:
-    """All words of the list on the page, as one pattern."""
+    """All words to avoid in the list on the page, as one pattern."""
     (section,) = re.findall(r"^## Words to avoid\n(.*)", STYLE.read_text(encoding="utf-8"), re.MULTILINE | re.DOTALL)
     cells = [line.split("|")[1] for line in section.splitlines() if line.startswith("| `")]
     words = sorted({word for cell in cells for word in re.findall(r"`([^`]+)`", cell)}, key=len, reverse=True)
@@ -60,7 +60,7 @@ def prose(text: str) -> str:
 
 
 def sentences(text: str) -> Iterator[str]:
-    """The sentences of a page's paragraphs and lists; tables and headings are none."""
+    """The sentences in the paragraphs and lists of a page, without tables and headings."""
     lines = [line for line in prose(text).splitlines() if not line.lstrip().startswith(("|", "#"))]
     for block in re.split(r"\n\s*\n|\n\s*(?:[-*]|\d+\.) ", "\n".join(lines)):
         yield from re.split(r"(?<=[.!?;:])\s+(?=\S)", re.sub(r"\s+", " ", block))
@@ -97,7 +97,7 @@ def test_the_comments_of_a_scene_keep_to_the_style(scene):
 
 
 def texts(path: Path) -> Iterator[str]:
-    """What a person reads in a module: its docstrings, strings of more than one word, and comments."""
+    """The texts in a module that a person reads: docstrings, strings of more than one word, and comments."""
     source = path.read_text(encoding="utf-8")
     for node in ast.walk(ast.parse(source)):
         if isinstance(node, ast.Constant) and isinstance(node.value, str) and re.search(r"[A-Za-z]\S* \S", node.value):
@@ -108,7 +108,7 @@ def texts(path: Path) -> Iterator[str]:
 
 
 def parts_of_the_sources() -> list[str]:
-    """The modules and packages at the top, and the packages beside ecume."""
+    """The modules and packages at the top, and the separate packages of ecume."""
     return [
         *sorted(path.name for path in SOURCES.iterdir() if path.name != "__pycache__"),
         *(f"../{name}" for name in BESIDE),

@@ -1,4 +1,4 @@
-"""Contacts solved exactly: the nearest velocities that break no condition."""
+"""Exact solutions of contacts: the nearest velocities that satisfy all conditions."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ def test_the_least_squares_are_those_of_scipy(size):
 
 
 def raft(rings: int, seed: int, crowding: float = 1e-7):
-    """A hexagonal raft, braced by more contacts than it needs, whose floats all want to its middle."""
+    """A hexagonal raft with more contacts than degrees of freedom, whose floats are all pushed to its center."""
     random = np.random.default_rng(seed)
     axes = np.array([[1.0, 0.0], [0.5, 0.75**0.5]])
     places = [(a, b) for a in range(-rings, rings + 1) for b in range(-rings, rings + 1) if abs(a + b) <= rings]
@@ -52,7 +52,9 @@ def raft(rings: int, seed: int, crowding: float = 1e-7):
 
 
 def optimality(contacts, start, velocity, mobility):
-    """By how much the worst contact lets through, pushes what leaves, or pulls; and what impulses leave unexplained."""
+    """The largest violations of optimality: approach, impulse on separating bodies, tension; and the velocities that
+    impulses do not explain.
+    """
     total = contacts.total[0]
     first, second, normal = contacts.first[:total], contacts.second[:total], contacts.normal[:total]
     impulse = contacts.impulse[:total]
@@ -95,7 +97,9 @@ def test_any_braced_raft_converges(rings, seed):
 @pytest.mark.compiled
 @pytest.mark.parametrize("rings", [5, 6])
 def test_a_large_braced_raft_is_solved_exactly(rings):
-    """As in a trough whose barrier presses a raft of 150 floats, where sweeps crept in one of ten steps."""
+    """As in a trough whose barrier presses on a raft of 150 floats, where sweeps converged slowly in one of ten
+    steps.
+    """
     contacts, start, mobility = raft(rings, 7)
     velocity, total = start.copy(), int(contacts.total[0])
     assert total > 2 * len(start)

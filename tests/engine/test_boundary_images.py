@@ -1,4 +1,4 @@
-"""Images: what a wall mirrors and a periodic side repeats."""
+"""Images of particles at walls and periodic sides."""
 
 import numpy as np
 

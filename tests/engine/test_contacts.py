@@ -32,7 +32,7 @@ def gathered(position, radius, walls, mobility, reach=1e-6):
 
 
 def a_raft(count=37, seed=0):
-    """A raft that is pushed together, with some disorder in the pushing."""
+    """A raft that is compressed by slightly disordered velocities."""
     position = place_on_lattice(count, 2.0, (0.0, 0.0))
     velocity = -0.3 * position + 0.05 * np.random.default_rng(seed).normal(size=position.shape)
     return position, velocity
@@ -162,7 +162,7 @@ def test_contacts_without_room_say_so():
 
 
 def many_pairs(pairs=70):
-    """Pairs that touch, side by side; the last stand at a wall and at one another."""
+    """Pairs in contact next to each other; the last ones touch a wall and each other."""
     x = np.repeat(5.0 * np.arange(pairs), 2)
     y = np.tile([0.0, 2.0], pairs)
     return np.column_stack([x - x.mean(), y])

@@ -1,4 +1,4 @@
-"""The queue of events gives them in the order of their times, whatever changes in between."""
+"""The queue returns events in the order of their times, also after changes."""
 
 import numpy as np
 import pytest

@@ -18,7 +18,7 @@ DISC = 0.5
 
 
 def pressed(position, motion, radius, friction, walls, reach=1e-6):
-    """The contacts there are, ready to be solved."""
+    """The contacts of these bodies, prepared for the solver."""
     contacts = touching.make_contacts(8 * len(position) + 16)
     bodies = Bodies(radius, walls, motion.mobility, no_periods(2))
     assert touching.gather(contacts, all_candidates(position), position, bodies, reach)
@@ -29,7 +29,9 @@ def pressed(position, motion, radius, friction, walls, reach=1e-6):
 
 
 def shaken_raft(count=37, seed=0, spread=0.3):
-    """Touching discs of unlike masses and radii near one, with gaps, pushed together in disorder and spinning."""
+    """Discs in contact with different masses and radii near one, with gaps, disordered velocities toward each other,
+    and spins.
+    """
     position, velocity = a_raft(count, seed)
     chance = np.random.default_rng([seed, 1])
     mass = 10.0 ** chance.uniform(-spread, spread, count)
@@ -126,7 +128,7 @@ def test_an_oblique_collision_slides_or_sticks_as_coulomb_says(friction, slide):
 
 
 def on_a_slope(angle, friction, ease, steps=100):
-    """Speed and spin of a disc on a wall below it, after a time of one, where gravity leans by an angle."""
+    """The speed and spin of a disc on a wall below it, after a time of one, for gravity inclined by an angle."""
     motion = Motion(np.zeros((2, 2)), np.zeros(2), np.array([1.0, 0.0]), np.array([ease, 0.0]))
     floor = enclosed_by(box((-9.0, 0.0), (9.0, 9.0)))
     floor = floor._replace(normal=floor.normal[1:2], offset=floor.offset[1:2])

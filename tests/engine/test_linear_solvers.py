@@ -1,4 +1,4 @@
-"""Block systems: each way to solve gives what a dense solution gives."""
+"""Block systems: each solver gives the dense solution."""
 
 import functools
 
@@ -14,7 +14,7 @@ WIDTHS = {"layer": 2, "space": 3, "spinning": 6}
 
 
 def links(count):
-    """A chain that ties all together, and links across."""
+    """The pairs of a chain that connects all particles, and further random pairs."""
     random = np.random.default_rng(3)
     first = np.concatenate([np.arange(count - 1), random.integers(0, count // 2, 60)])
     second = np.concatenate([np.arange(1, count), random.integers(count // 2, count, 60)])
@@ -27,7 +27,7 @@ def right_sides(random, count, width, held):
 
 
 def system(width, held, count=30, lean=0.1):
-    """A random network of stiff and soft links, not quite symmetric, held or not; as a matrix, and dense."""
+    """A random network of stiff and soft springs, slightly asymmetric, fixed or free; as a block matrix, and dense."""
     random, first, second = links(count)
     root = random.normal(size=(len(first), width, width))
     stiffness = root @ root.swapaxes(1, 2) * np.exp(random.normal(size=(len(first), 1, 1)))
@@ -44,7 +44,7 @@ def system(width, held, count=30, lean=0.1):
 
 
 def test_a_pattern_has_a_block_for_each_pair_once_in_the_order_of_columns():
-    """Pairs that stand several times, particles that touch their own copies, and several chunks of rows."""
+    """Pairs that are repeated, particles in contact with copies of themselves, and several chunks of rows."""
     random = np.random.default_rng(8)
     count = 2100
     first, second = random.integers(0, count, (2, 4000))
@@ -189,7 +189,7 @@ def test_chunks_swept_by_threads_give_the_bits_of_one_after_the_other(width):
 
 
 def textbook(matrix, right, accuracy):
-    """Stabilized biconjugate gradients [vandervorst1992]: how many iterations they take, and the solution."""
+    """The number of iterations, and the solution, of stabilized biconjugate gradients [vandervorst1992]."""
     residual = right.copy()
     shadow, search, solution, iterations = right.copy(), right.copy(), np.zeros_like(right), 0
     while np.linalg.norm(residual) > accuracy * np.linalg.norm(right):

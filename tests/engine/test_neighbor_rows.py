@@ -1,4 +1,4 @@
-"""Neighbor lists: everybody within reach, and nobody else."""
+"""Neighbor lists contain all particles within reach, and no others."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""How far apart outlines are, beside a search over all their points."""
+"""Distances of outlines, compared with a search over all their points."""
 
 import math
 
@@ -13,7 +13,7 @@ NEEDLE = np.array([[-2.0, 0.0], [2.0, 0.0]])
 
 
 def outlines(*bodies):
-    """Of (a, b) for ellipses, and (corners, edges, rounding)."""
+    """The outlines of ellipses (a, b), and of shapes (corners, edges, rounding)."""
     axes = [body if len(body) == 2 else (0.0, 0.0) for body in bodies]
     cornered = [body if len(body) == 3 else (np.zeros((0, 2)), np.zeros((0, 2), int), 0.0) for body in bodies]
     firsts = np.cumsum([0, *(len(corners) for corners, _, _ in cornered)])
@@ -49,7 +49,7 @@ def near(shapes, places, angles, reach=10.0):
 
 
 def points_of(body, count=4000):
-    """Points of an outline, closely."""
+    """Closely spaced points of an outline."""
     turn = np.linspace(0.0, 2.0 * math.pi, count, endpoint=False)
     circle = np.stack([np.cos(turn), np.sin(turn)], axis=1)
     if len(body) == 2:
@@ -93,7 +93,7 @@ def test_the_gap_is_the_least_distance_of_any_two_points(one, other):
 @pytest.mark.parametrize("one", BODIES)
 @pytest.mark.parametrize("other", BODIES)
 def test_nearest_points_lie_a_gap_apart_along_the_normal(one, other):
-    """And nowhere else: an impulse along that line turns nobody against angular momentum."""
+    """Impulses along this line conserve angular momentum."""
     chance = np.random.default_rng(5)
     shapes = outlines(BODIES[one], BODIES[other])
     for _ in range(4):

@@ -1,4 +1,4 @@
-"""Contacts by products with the mobility, beside sweeps over contacts."""
+"""Contacts solved by products with the mobility, compared with sweeps over contacts."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""Rays meet a ball of liquid where it is, go through it as far as it is thick, and end at a solid."""
+"""Rays through a ball of liquid: where they enter, the length of their path, and their end at a solid."""
 
 import numpy as np
 import pytest
@@ -19,7 +19,7 @@ def block(solid=None):
 
 
 def met_by(found, across, camera=None):
-    """Rays at these distances right of the middle of the cube, from 1.2 m above the origin."""
+    """Rays at these distances to the right of the middle of the cube, from 1.2 m above the origin."""
     camera = np.eye(3) if camera is None else camera
     middle = camera @ np.full(3, 0.5)
     met = np.zeros((1, len(across), MET))

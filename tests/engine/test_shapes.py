@@ -1,4 +1,4 @@
-"""Parts of space: inside, the way out, the nearest wall, and what a solid of that shape weighs."""
+"""Parts of space: points inside, distances to the boundary, and the mass properties of solids."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""Painted discs cover what discs cover, in their order, whoever paints."""
+"""Painted discs cover the right pixels in their order, for any number of threads."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""Impulses at the end of levers: momentum, angular momentum, energy, and bodies that lie against each other."""
+"""Impulses with lever arms: momentum, angular momentum, energy, and bodies in extended contact."""
 
 import math
 
@@ -26,7 +26,7 @@ def party(bodies, mass=1.0, inertia=0.8, walls=None):
 
 
 def crowd(count, chance):
-    """Shapes of all kinds, packed loosely."""
+    """Shapes of all kinds in a loose packing."""
     kinds = [(1.2, 0.5), square(0.2), needle(0.2), (0.9, 0.9)]
     side = math.ceil(math.sqrt(count))
     places = np.array([(3.1 * (k % side), 3.1 * (k // side)) for k in range(count)])
@@ -108,7 +108,7 @@ def test_the_exact_solution_is_that_of_the_sweeps(seed):
 
 
 def test_islands_are_solved_as_if_there_were_no_others():
-    """Far from one another, so that their contacts are those of each alone."""
+    """The islands are far from each other, so that the contacts of each are those of it alone."""
     chance, parts = np.random.default_rng(3), 10
     groups = [crowd(9, chance) for _ in range(parts)]
     speeds = [chance.normal(size=(9, 3)) for _ in range(parts)]
@@ -146,7 +146,7 @@ def test_a_blow_beside_the_middle_turns_what_is_hit():
 
 @pytest.mark.parametrize("aside", [0.0, 0.3])
 def test_a_square_that_falls_flat_on_another_goes_on_with_it_as_one(aside):
-    """Two ends hold: the two stop, or turn as one piece with the angular momentum that they had, -aside."""
+    """Two ends stay in contact: both bodies stop, or rotate together with the conserved angular momentum, -aside."""
     stance = Stance(np.array([(0.0, 0.0), (aside, 2.4)]), np.zeros(2), np.zeros((8, 2)))
     levers = gathered(party([square(0.2), square(0.2)]), stance, reach=0.01)
     velocity = np.array([(0.0, 1.0, 0.0), (0.0, -1.0, 0.0)])
@@ -159,7 +159,7 @@ def test_a_square_that_falls_flat_on_another_goes_on_with_it_as_one(aside):
 
 
 def test_what_glides_along_itself_gives_way_along_itself():
-    """Mobilities along and across differ: a push on the flank moves it less than one on the tip."""
+    """With different mobilities along and across, a push on the flank moves it less than one on the tip."""
     mobility, lever, give, root = np.array([2.0, 1.0, 0.0]), np.array([1.0, 0.0, 0.0]), np.zeros(3), np.zeros(3)
     assert touching.impulse_response(mobility, 0.0, lever, give, root) == pytest.approx(2.0)
     assert touching.impulse_response(mobility, 0.5 * math.pi, lever, give, root) == pytest.approx(1.0)

@@ -1,4 +1,4 @@
-"""Vectors and symmetric matrices of loops, beside NumPy's."""
+"""Vectors and symmetric matrices for loops, compared with those of NumPy."""
 
 import numpy as np
 import pytest
@@ -12,7 +12,7 @@ PLACES = {2: [(0, 0), (1, 1), (0, 1)], 3: [(0, 0), (1, 1), (2, 2), (0, 1), (0, 2
 
 
 def drawn(dimension):
-    """Two vectors and a symmetric matrix, as loops and as NumPy have them."""
+    """Two vectors and a symmetric matrix, for loops and for NumPy."""
     dice = np.random.default_rng(dimension)
     a, b, root = dice.normal(size=dimension), dice.normal(size=dimension), dice.normal(size=(dimension, dimension))
     matrix = root + root.T
@@ -21,7 +21,7 @@ def drawn(dimension):
 
 
 def whole(matrix, dimension):
-    """A symmetric matrix of loops as NumPy has it."""
+    """A symmetric matrix for loops as a NumPy array."""
     found = np.zeros((dimension, dimension))
     for (i, j), value in zip(PLACES[dimension], matrix, strict=True):
         found[i, j] = found[j, i] = value

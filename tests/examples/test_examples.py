@@ -1,4 +1,4 @@
-"""Each scene of the gallery runs, one of its numbers is what physics wants, and all are as they were recorded."""
+"""Each scene of the gallery runs, one of its numbers has the physical value, and all agree with the records."""
 
 import math
 from functools import partial
@@ -27,7 +27,7 @@ LONG = {
 
 
 class Wanted(NamedTuple):
-    """What a number of the frames should be."""
+    """An expected number of the frames."""
 
     measure: object
     value: float
@@ -47,13 +47,15 @@ def unlike_neighbors(frames):
 
 
 def reach_of_the_light(frames):
-    """How far from the middle those of the first species are at the end, the one that is farthest in."""
+    """The largest distance from the middle of floats of the first species at the end."""
     arrays = frames[-1].arrays
     return float(np.linalg.norm(arrays["position"][arrays["species"] == 0], axis=1).min())
 
 
 def mirrored(frames):
-    """Half the angles of two rims against the line between them: a whole number of right angles for mirror images."""
+    """Half the angles of two rims relative to the line between them: a whole number of right angles for mirror
+    images.
+    """
     (first, second), (one, other) = frames[-1].arrays["position"], frames[-1].arrays["angle"]
     line = math.atan2(*(second - first)[::-1])
     turns = (one + other - 2.0 * line) / math.pi
@@ -61,12 +63,12 @@ def mirrored(frames):
 
 
 def tips_apart(frames):
-    """How far two ellipsoids' middles are apart, over their length: 1 where they touch tip to tip."""
+    """The distance of the centers of two ellipsoids over their length: 1 if they touch tip to tip."""
     return math.dist(*frames[-1].arrays["position"]) / (2.0 * float(frames[-1].arrays["radius"].mean()))
 
 
 def second_height(frames):
-    """How high the first ball rises after its first bounce, over where it fell from, both of its lowest point."""
+    """The height of the first ball after its first bounce over its initial height, both of its lowest point."""
     height = np.array([frame.arrays["position"][0, 1] for frame in frames]) - 8e-3
     bounce = int(np.argmax(np.diff(height) > 0.0))
     again = bounce + 1 + int(np.argmax(np.diff(height[bounce + 1 :]) < 0.0))
@@ -74,7 +76,7 @@ def second_height(frames):
 
 
 def settling_of_the_coarse(frames):
-    """The speed of the coarsest grains in the first second over Stokes's."""
+    """The speed of the coarsest grains in the first second over that of Stokes."""
     arrays, later = frames[0].arrays, frames[12]
     high = (arrays["species"] == 0) & (arrays["position"][:, 1] > 0.5e-3)
     fallen = (arrays["position"] - later.arrays["position"])[high, 1].mean() / later.time
@@ -82,25 +84,25 @@ def settling_of_the_coarse(frames):
 
 
 def floor_pressure(frames):
-    """In the second half, over that of 40 cm of water."""
+    """The pressure at the floor in the second half, over that of 40 cm of water."""
     output = [frame.numbers["floor_pressure"] for frame in frames[len(frames) // 2 :]]
     return float(np.mean(output)) / (1000.0 * 9.81 * 0.4)
 
 
 def front_speed(frames):
-    """Of the front on its way through the tank, over the root of g H."""
+    """The speed of the front on its way through the tank, over the root of g H."""
     way = [(frame.time, frame.numbers["front"]) for frame in frames if 0.25 < frame.time < 0.4]
     return np.polyfit(*zip(*way, strict=True), 1)[0] / math.sqrt(9.81 * 0.3)
 
 
 def sides_alike(frames):
-    """How far the water's center went along one side of the tank, over the other."""
+    """The displacement of the center of the water along one side of the tank, over that along the other."""
     went = [frames[-1].numbers[f"center_{axis}"] - frames[0].numbers[f"center_{axis}"] for axis in "xz"]
     return went[0] / went[1]
 
 
 def swing(frames):
-    """The period of the center's swing, from where it passes the middle."""
+    """The period of oscillation of the center, from its passages through the middle."""
     times = np.array([frame.time for frame in frames])
     offset = np.array([frame.numbers["center_x"] for frame in frames]) - 0.5
     down = np.flatnonzero((offset[:-1] > 0.0) & (offset[1:] <= 0.0))
@@ -109,20 +111,20 @@ def swing(frames):
 
 
 def peak_over_mean(frames):
-    """Of the speed along the channel, near its end: 3/2 for a parabola."""
+    """The peak over the mean of the speed in the channel, near its end: 3/2 for a parabola."""
     place, velocity = (frames[-1].arrays[name] for name in ("position", "velocity"))
     along = velocity[(place[:, 0] > 1.8) & (place[:, 0] < 2.8), 0]
     return along.max() / along.mean()
 
 
 def second_stretch(frames):
-    """When the drop is longest for the second time."""
+    """The time at which the drop is longest for the second time."""
     shape = [np.divide(*frame.arrays["position"].std(axis=0)) for frame in frames]
     return frames[50 + int(np.argmax(shape[50:]))].time
 
 
 def exact_second_stretch():
-    """The same of an ellipse of liquid, by its equation of motion."""
+    """The time of the second maximum of an ellipse of liquid, by its equation of motion."""
     (width, height, rate), step, passed, before = (1.0, 1.0, 0.5), 1e-4, 0, 0.5
     for number in range(100_000):
         width, height = width * math.exp(rate * step), height * math.exp(-rate * step)
@@ -136,14 +138,14 @@ def exact_second_stretch():
 
 
 def roundness(frames):
-    """The farthest particle over the root mean square distance of a disc's: 1 for a disc, 1.22 for a square."""
+    """The farthest particle over the root mean square distance, relative to a disc: 1 for a disc, 1.22 for a square."""
     place = frames[-1].arrays["position"]
     away = np.linalg.norm(place - place.mean(axis=0), axis=1)
     return away.max() / math.sqrt(2.0 * np.mean(away**2))
 
 
 def decay(frames):
-    """The rate at which speeds fade, over the exact one."""
+    """The decay rate of speeds, over the exact one."""
     first, final = (frame.numbers["kinetic_energy"] for frame in (frames[0], frames[-1]))
     return 0.5 * math.log(first / final) / frames[-1].time / taylor_green_decay(2.0 * math.pi, 2.0 * math.pi, 0.01)
 
@@ -153,14 +155,14 @@ def swaps(frames):
 
 
 def stress_of_its_parts(frames):
-    """What films squeezed and sheared carry, over the whole shear stress, in the second half."""
+    """The stress by squeezed and sheared films, over the whole shear stress, in the second half."""
     half = frames[len(frames) // 2 :]
     parts = sum(frame.numbers["stress_squeeze_xy"] + frame.numbers["stress_sliding_xy"] for frame in half)
     return parts / sum(frame.numbers["shear_stress"] for frame in half)
 
 
 def carried_weight(frames):
-    """What the floor carries, over the spheres' weight in the liquid."""
+    """The force on the floor, over the weight of the spheres in the liquid."""
     volume = 24 * 4.0 / 3.0 * math.pi * (1e-3**3 + 1.4e-3**3)
     return -frames[-1].numbers["bottom_force_y"] / (400.0 * 9.81 * volume)
 

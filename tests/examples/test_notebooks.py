@@ -1,4 +1,4 @@
-"""The example notebooks run from top to bottom, and what they show is the player."""
+"""The example notebooks run from top to bottom and show the player."""
 
 import importlib
 import json
@@ -19,7 +19,7 @@ def notebooks(monkeypatch):
 @pytest.mark.compiled
 @pytest.mark.parametrize("path", sorted(FOLDER.glob("*.ipynb")), ids=lambda path: path.stem)
 def test_a_notebook_runs_and_shows_its_run(path, tmp_path, monkeypatch, notebooks):
-    """Its page has a player for each value that shows itself, and what the cells print."""
+    """The page has a player for each value with a notebook view, and the output of the cells."""
     monkeypatch.chdir(tmp_path)
     outputs = list(notebooks.executed(path))
     played = [value for _, value in outputs if hasattr(value, "_repr_html_")]

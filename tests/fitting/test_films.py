@@ -1,4 +1,4 @@
-"""From a film to tracks and from tracks to a surface tension, with a film of a known one."""
+"""From a film to tracks and from tracks to a surface tension, for a film with a known one."""
 
 import math
 
@@ -72,7 +72,7 @@ def keep(path, text):
 
 
 def test_water_that_is_darker_on_one_side_moves_no_center():
-    """Menisci shade the water between two floats; to half of the brightness of a disc over its width here."""
+    """Menisci shade the water between two floats, here down to half of the brightness of a disc over its width."""
     place = np.array([60.3, 48.6])
     rows, columns = np.mgrid[0:100, 0:120]
     cover = np.clip(20.5 - np.hypot(columns - place[0], rows - place[1]), 0.0, 1.0)

@@ -1,4 +1,4 @@
-"""Whatever leaves positions of objects in a plane can be fitted, and what cannot is refused."""
+"""All models with positions in 2D can be fitted, and other scenes are refused."""
 
 import numpy as np
 import pytest
@@ -136,7 +136,7 @@ def test_what_cannot_be_fitted_along_is_reported(scene, start, why):
 
 
 def crossing():
-    """Two objects that pass one another."""
+    """Two objects that pass each other."""
     times = np.linspace(0.0, 1.0, 11)
     one = np.stack([times, 0.0 * times], axis=1)
     other = np.stack([1.0 - times, 0.0 * times + 0.5], axis=1)

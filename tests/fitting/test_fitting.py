@@ -1,4 +1,4 @@
-"""Fits find again what tracks were made with, say how sure they are, and what nobody could know."""
+"""Fits recover the parameters of tracks, with correct uncertainties, and report undetermined parameters."""
 
 import json
 import math
@@ -80,7 +80,7 @@ def beads(*, viscosity=5.0, angle=100.0):
 
 @pytest.fixture(scope="module")
 def tracks():
-    """Beads that drift together, seen with noise."""
+    """Tracks of beads that drift toward each other, with noise."""
     frames = list(ecume.simulate(beads()))
     chance = np.random.default_rng(1)
     position = np.stack([frame.arrays["position"] for frame in frames])
@@ -166,7 +166,7 @@ def test_no_coordinate_leaves_what_is_possible():
 
 
 def test_least_squares_and_errors_of_a_straight_line_are_those_of_the_textbook():
-    """The variance of a slope is s^2/S, whether or not the other coefficient is among those that are asked for."""
+    """The variance of a slope is s^2/S, whether or not the other coefficient is requested as well."""
     t = np.linspace(0.0, 1.0, 30)
     y = 2.0 + 3.0 * t + np.random.default_rng(2).normal(0.0, 0.1, 30)
     found = solved(lambda at: at[0] * t + at[1] - y, np.zeros(2))

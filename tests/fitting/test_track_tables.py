@@ -1,4 +1,4 @@
-"""Tables of tracks from video programs that write objects beside one another, or each into a file of its own."""
+"""Tables of tracks from video programs, with several objects side by side, or one object per file."""
 
 from pathlib import Path
 
@@ -101,7 +101,7 @@ def test_student_tracks(files):
 
 
 def side_by_side(heads, mark, columns=(TIMES, 1e3 * ONE[:, 0], 1e3 * ONE[:, 1], 1e3 * OTHER[:, 0], 1e3 * OTHER[:, 1])):
-    """A table in s and mm with two objects beside one another."""
+    """A table in s and mm with two objects side by side."""
     text = mark.join(heads) + "\n" + lines(columns, mark)
     return text if mark == "," else text.replace(".", ",")
 
@@ -129,7 +129,7 @@ def test_objects_beside_one_another_are_read_with_every_separator_and_encoding(h
 
 
 def in_rows(head, row):
-    """A table with one object a line, in pixels of 20 µm and frames."""
+    """A table with one object per line, in pixels of 20 µm and frames."""
     spots = [(who, n, *place) for who, track in ((1, ONE), (2, OTHER)) for n, place in enumerate(track / 20e-6)]
     return head + "".join(row(who, n, x, y) for who, n, x, y in spots)
 

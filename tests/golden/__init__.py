@@ -1,1 +1,1 @@
-"""Runs of each version, stopped half-way: later versions open them and go on with them, or say why not."""
+"""Runs of each version, stopped halfway, which later versions open and resume, or refuse with a reason."""

@@ -25,7 +25,7 @@ SMALL = {
 
 
 def half_way(progress: Progress) -> None:
-    """Ask for a stop in the middle."""
+    """Request a stop in the middle of the run."""
     if progress.time >= 0.5 * progress.duration:
         os.kill(os.getpid(), signal.SIGTERM)
 

@@ -1,4 +1,4 @@
-"""Runs that former versions left behind are opened, and resumed to their end, on whatever processor this is."""
+"""Runs of former versions can be opened, and resumed to their end, on any processor."""
 
 import json
 import shutil
@@ -18,7 +18,7 @@ RUNS = sorted(path.parent for path in HOME.glob("*/*/manifest.json"))
 
 
 def newest_checkpoint(home):
-    """The state that a run is resumed from."""
+    """The checkpoint from which a run is resumed."""
     model = json.loads((home / "manifest.json").read_text())["model"]
     found = checkpoints.newest(RunDirectory(home), MODELS[model].state, 10**9, lambda path, fault: pytest.fail(fault))
     assert found is not None

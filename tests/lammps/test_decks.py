@@ -1,4 +1,4 @@
-"""Decks for LAMMPS: their numbers are those of our laws, and what LAMMPS cannot express is refused."""
+"""Decks for LAMMPS: their numbers follow from ecume's laws, and features that LAMMPS cannot express are refused."""
 
 import dataclasses
 import math
@@ -58,7 +58,7 @@ BASIN = "[dish]\nsize = [0.04, 0.03]\ncontact_angle = 1.0\n"
 
 
 def sections(text: str) -> dict[str, np.ndarray]:
-    """The tables of a file as LAMMPS reads them: r, energy, force by name."""
+    """The tables of a file in the form that LAMMPS reads: r, energy, force, by name."""
     found = {}
     for part in re.split(r"\n\n+(?=K)", text.strip()):
         lines = part.splitlines()
@@ -115,7 +115,7 @@ def test_the_data_file_holds_the_first_state() -> None:
 
 
 def evaluated(lines: tuple[str, ...], x: float, y: float, own: dict[str, float]) -> dict[str, float]:
-    """The values of variables that commands define, as LAMMPS computes them."""
+    """The values of variables in commands, evaluated as by LAMMPS."""
     values = {"x": x, "y": y, "exp": math.exp, "sqrt": math.sqrt, **own}
     for line in lines:
         _, name, style, formula = line.split(maxsplit=3)
@@ -233,7 +233,7 @@ def test_every_record_is_tested() -> None:
 
 
 def rows(count: int) -> str:
-    """Floats of as many sizes."""
+    """Floats with this number of different sizes."""
     line = "[[rows]]\nx = {}\ny = 0.0\nradius = {}\ndensity = 300.0\ncontact_angle = 1.2\n"
     return "".join(line.format(0.1 + 0.01 * k, 1e-3 + 1e-5 * k) for k in range(count))
 

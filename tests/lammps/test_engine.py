@@ -1,4 +1,4 @@
-"""LAMMPS as the engine of runs: commands, dumps and errors; and whole runs where LAMMPS is installed."""
+"""LAMMPS as the engine of runs: commands, dumps and errors; and whole runs if LAMMPS is installed."""
 
 import os
 import signal
@@ -46,7 +46,7 @@ radius = "1 cm"
 
 
 def dump(rows: np.ndarray, parts: int = 1) -> bytes:
-    """A binary dump as LAMMPS writes it."""
+    """A binary dump in the format of LAMMPS."""
     head = struct.pack("<q", -10) + b"DUMPCUSTOM" + struct.pack("<iiqqi", 1, 2, 7, len(rows), 0)
     head += struct.pack("<6i6d", *[3] * 6, *[0.0] * 6) + struct.pack("<ii", rows.shape[1], 2) + b"si" + b"\0"
     head += struct.pack("<i", 4) + b"id x" + struct.pack("<i", parts)
@@ -127,7 +127,7 @@ for line in sys.stdin:
 
 @pytest.fixture
 def fake(tmp_path: Path) -> Iterator[Lammps]:
-    """A program that behaves as LAMMPS does."""
+    """A program that imitates LAMMPS."""
     file = tmp_path / "lmp"
     file.write_text(FAKE.format(python=sys.executable))
     file.chmod(0o700)

@@ -1,4 +1,4 @@
-"""Forces of ecume that LAMMPS calls: those of our own sums, on any number of ranks."""
+"""Forces of ecume called by LAMMPS are equal to ecume's sums, for any number of ranks."""
 
 from pathlib import Path
 
@@ -31,7 +31,7 @@ PLACES = {
 
 
 def sizes(place: str, count: int = MOST_KINDS + 4) -> FloatingScene:
-    """Floats each of which has another size."""
+    """Floats with different sizes."""
     chance = np.random.default_rng(1)
     radius = chance.uniform(0.8e-3, 1.2e-3, count)
     grid = np.stack(np.meshgrid(np.arange(6), np.arange(6)), axis=-1).reshape(-1, 2)[:count]
@@ -47,7 +47,7 @@ def sizes(place: str, count: int = MOST_KINDS + 4) -> FloatingScene:
 
 
 def forces_of(scene: FloatingScene) -> tuple[Array, Array]:
-    """Our forces with drag on all floats at the start, and their speeds."""
+    """The forces of ecume with drag on all floats at the start, and their speeds."""
     parameters = floats_in_engine.parameters(scene)
     state = start(scene, parameters)
     found = forces_at(parameters, state.position, FLOATING.workspace(parameters, state, 1.0))

@@ -1,4 +1,4 @@
-"""Decks in LAMMPS itself, where it is installed: its forces and its collisions are ours."""
+"""Decks in LAMMPS itself, if it is installed: its forces and collisions agree with ecume's."""
 
 import importlib.util
 import os

@@ -1,4 +1,4 @@
-"""Runs that LAMMPS integrated are looked at as all others."""
+"""Runs integrated by LAMMPS can be plotted and viewed like others."""
 
 from pathlib import Path
 

@@ -1,4 +1,4 @@
-"""What the laws of floating bodies refuse, and what they take."""
+"""Accepted and refused arguments of the laws of floating bodies."""
 
 import inspect
 import itertools

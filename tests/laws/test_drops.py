@@ -1,4 +1,4 @@
-"""Exact swings of drops."""
+"""Exact oscillations of drops."""
 
 import math
 

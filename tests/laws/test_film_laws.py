@@ -1,4 +1,4 @@
-"""Bubbles' surfaces, mobile interfaces, and friction between rough surfaces."""
+"""Surfaces of bubbles, mobile interfaces, and friction between rough surfaces."""
 
 import inspect
 import math
@@ -141,7 +141,7 @@ def test_drops_go_from_rigid_to_freely_slipping_with_their_viscosity():
 
 
 def test_a_mobile_film_is_squeezed_by_the_power_that_it_spends():
-    """A plug that widens: rates (1, 1, -2) e/2 in a disc, and power 3 eta e^2 in each volume."""
+    """A plug flow that widens: rates (1, 1, -2) e/2 in a disc, and power 3 eta e^2 per volume."""
     speed, gap, size, viscosity = 0.3, 0.01, 0.2, 0.7
     rate = speed / gap
     spent = 2 * viscosity * (rate**2 + 2 * (rate / 2) ** 2) * math.pi * size**2 * gap
@@ -150,7 +150,7 @@ def test_a_mobile_film_is_squeezed_by_the_power_that_it_spends():
 
 def test_a_film_with_one_free_surface_is_squeezed_with_a_quarter_of_the_friction():
     def flux(free):
-        """Through a unit of pressure slope over viscosity: the profile stands on the lower surface."""
+        """The flux per pressure gradient over viscosity; the velocity profile starts at the lower surface."""
         return quad(lambda z: z * (1.0 - z / 2) if free else z * (1 - z) / 2, 0, 1)[0]
 
     films = [INTERFACES[name](0.2, 0.01, 1.0, 1.0, (4.0, 3.0)).squeeze for name in ("half-mobile", "rigid")]

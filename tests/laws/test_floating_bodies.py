@@ -141,7 +141,7 @@ def test_a_lying_cylinder_is_carried_by_two_lines_and_what_it_displaces():
 
 @pytest.mark.parametrize("psi", [-0.4, 0.9, 2.2])
 def test_the_far_surface_of_a_straight_line_is_its_exponential(psi):
-    """Integrated along the arc from the contact line, past the vertical too."""
+    """Integrated along the arc from the contact line, also beyond vertical slopes."""
     z = flotation.young_laplace.sloping_height(psi)
 
     def growth(_, at):
@@ -171,7 +171,7 @@ def test_the_theories_of_a_body_agree_where_it_is_small_and_gentle(body):
 
 
 def shrunk(body, share):
-    """The same body, its lengths times a share, its load as a volume."""
+    """The body with its lengths times a factor, and its load as a volume."""
     from dataclasses import replace
 
     if isinstance(body, flotation.Disc):
@@ -330,7 +330,7 @@ def test_an_impossible_body_is_refused_by_name(make, what):
     ],
 )
 def test_what_is_too_light_is_reported(body):
-    """Under oil: a body lighter than what lies above would rather be there."""
+    """Under oil: a body lighter than the upper liquid has no equilibrium at the interface."""
     water_under_oil = flotation.Liquid(density=1000.0, surface_tension=0.03, viscosity=1e-3, gas_density=900.0)
     with pytest.raises(FloaterSinks, match=r"leaves the liquid|lets go"):
         flotation.equilibrium(body, water_under_oil)

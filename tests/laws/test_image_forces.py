@@ -1,4 +1,4 @@
-"""What a wall's mirror image does to a floater."""
+"""The force on a floater by its mirror image at a wall."""
 
 import math
 
@@ -15,7 +15,9 @@ UNIT = 2 * math.pi * LIQUID.surface_tension * A**2 / L
 
 
 def field(place, source, radius, sign, orders=60):
-    """The mirror image's height at a place in a dish, by its series, for a source of unit charge; lengths in L."""
+    """The height of the mirror image's field at a position in a dish, by its series, for a source of unit charge;
+    lengths in L.
+    """
     from scipy.special import iv, ivp, kv, kvp
 
     (x, y), (u, v) = place, source
@@ -29,7 +31,9 @@ def field(place, source, radius, sign, orders=60):
 
 @pytest.mark.parametrize(("wall", "sign"), [("fixed-angle", 1), ("pinned", -1)])
 def test_a_mirrored_meniscus_meets_the_wall_as_the_wall_wants(wall, sign):
-    """With its image it has no slope at a wall of fixed angle, no height at a pinned one; its slope is the force."""
+    """With its image the field has no slope at a wall of fixed angle, and no height at a pinned one; its slope is the
+    force.
+    """
     from scipy.special import k0
 
     radius, source = 3.0, (1.3, 0.4)

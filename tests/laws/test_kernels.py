@@ -1,4 +1,4 @@
-"""Smoothing kernels: they weigh one, their slopes are their derivatives, and the reference values hold."""
+"""Smoothing kernels: they are normalized, their slopes are their derivatives, and the reference values hold."""
 
 import csv
 import math
@@ -29,12 +29,12 @@ EACH = pytest.mark.parametrize("one", [quiet(name, dim) for name in KERNELS for 
 
 
 def lost(one):
-    """What the cut Gaussian lacks of one."""
+    """The missing integral of the truncated Gaussian."""
     return gaussian_deficit(one.dim) if one.name == "gaussian-raw" else 0.0
 
 
 def space(one, h, panels=600):
-    """Distances and volumes that fill the support, on an integration rule of this test's own."""
+    """Distances and volumes that fill the support, by an independent integration rule."""
     nodes, weights = np.polynomial.legendre.leggauss(6)
     edges = np.linspace(0.0, one.support, panels + 1)
     r = (edges[:-1, None] + (nodes + 1.0) * one.support / panels / 2).ravel() * h

@@ -1,4 +1,4 @@
-"""Charges that stand for a contact line: the field that they have, and the law that they follow from afar."""
+"""Charges that represent a contact line: their field, and their law at large distances."""
 
 import math
 
@@ -22,7 +22,7 @@ def height(line, points):
 
 
 def around(line, factor=1.0, count=101):
-    """Points of a confocal ellipse that is reached by making the sum of the semi-axes longer, and their v."""
+    """Points of the confocal ellipse whose sum of semi-axes is longer, and their v."""
     turn = np.linspace(0.0, 2.0 * math.pi, count)
     focus2, size = line.along**2 - line.across**2, factor * (line.along + line.across)
     along, across = 0.5 * (size + focus2 / size), 0.5 * (size - focus2 / size)
@@ -125,7 +125,9 @@ def touching(axes, other, angles):
 
 
 def docked(ratio, angles):
-    """Energy of ellipses of aspect 4 that touch, the second smaller by this ratio, turned and seen at these angles."""
+    """The energy of two ellipses of aspect ratio 4 in contact, the second smaller by this ratio, at these
+    orientations.
+    """
     lines = [Line(size, 0.25 * size, 0.0, 2, 0.1 * size) for size in (1.0, 1.0 / ratio)]
     apart = touching((1.0, 0.25), (1.0 / ratio, 0.25 / ratio), angles)
     (here, one), (there, other) = (spread_charges(line) for line in lines)

@@ -1,4 +1,4 @@
-"""Many bodies on one surface: limits, symmetries, conservation, and the walls around them."""
+"""Many bodies on one surface: limits, symmetries, conservation laws, and the walls around them."""
 
 import math
 

@@ -1,4 +1,4 @@
-"""What acts between particles of a liquid: viscosity, diffusion of density, surface tension, and the time steps."""
+"""Laws between particles of a liquid: viscosity, diffusion of density, surface tension, and the time steps."""
 
 import math
 
@@ -180,7 +180,7 @@ def test_time_steps_shrink_with_what_limits_them():
 
 @pytest.mark.parametrize("dim", [2, 3])
 def test_the_excess_of_straight_motion_is_the_change_of_volume_beyond_first_order(dim):
-    """Exact in 2D; in 3D the rest is of third order, the determinant."""
+    """Exact in 2D; in 3D the remainder is of third order, the determinant."""
     generator = np.random.default_rng(dim)
     for step in 10.0 ** generator.uniform(-3.0, 0.0, 20):
         gradient = generator.normal(size=(dim, dim))

@@ -1,4 +1,4 @@
-"""Reflected Brownian motion: the equilibrium in front of a wall stays what it is, however long the step."""
+"""Reflected Brownian motion: the equilibrium in front of a wall is preserved for any time step."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""Floaters that turn about the vertical."""
+"""Floaters that rotate about the vertical."""
 
 import math
 

@@ -53,7 +53,7 @@ def test_i_starts_at_one_and_at_zero():
 
 @pytest.mark.parametrize("lower", [0.2, 1.0, 1.7, 2.5, 4.0, 6.0])
 def test_rounding_does_not_choose_among_fits_of_k1(lower, monkeypatch):
-    """Other processors round otherwise; a run that moves to one keeps its constants if they stay near."""
+    """Other processors round differently; a run that is moved to one keeps its constants if they are close enough."""
     one, fit = special.fit_k1(lower, 12.0), special._fit
     noise = np.random.default_rng(5)
     rounded = lambda *words: (made := fit(*words))._replace(error=made.error + 1e-15 * noise.normal())  # noqa: E731

@@ -1,4 +1,4 @@
-"""Liquids that thin, thicken or yield, beside an integration of their definition."""
+"""Liquids that thin, thicken or yield, compared with an integration of their definition."""
 
 import math
 

@@ -158,8 +158,8 @@ def grid_error(spacing: Number, order: int) -> Number:
 
 
 def spline_share(phase: Any, order: int) -> Any:
-    """U^2 over its sum over all copies of the spectrum, U = sinc^p: the fraction of a wave that splines on a grid
-    represent. [hockney1988].
+    """Fraction of a wave that splines on a grid represent: U^2 over its sum over all copies of the spectrum, U =
+    sinc^p. [hockney1988].
 
     >>> round(float(spline_share(math.pi, 4)), 3)
     0.5

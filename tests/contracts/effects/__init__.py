@@ -34,7 +34,7 @@ def of(value: Any, shows: str = RUN, **beside: Any) -> Effect:
 
 
 def grid(name: str, scale: float = 1.0) -> str:
-    """A file with two instants of a rotation."""
+    """A file with two instants of a rotating flow."""
     path = Path(tempfile.gettempdir()) / f"ecume-effects-{os.getpid()}-{name}.npz"
     x, t = np.linspace(0.0, 0.02, 5), np.array([0.0, 1.0])
     along, up = np.meshgrid(x, x, indexing="ij")
@@ -52,7 +52,7 @@ def push(distance: float, parameters: Any) -> float:
 
 
 def hold(distance: float, parameters: Any) -> float:
-    """Another one."""
+    """Another pair law (N)."""
     strength: float = parameters.constants[0]
     return -strength * distance
 
@@ -63,7 +63,7 @@ def drift(position: Any, velocity: Any, time: float, parameters: Any) -> tuple[f
 
 
 def lift(position: Any, velocity: Any, time: float, parameters: Any) -> tuple[float, float]:
-    """Another one."""
+    """Another external law (m/s^2)."""
     return 0.0, parameters.constants[0]
 
 
@@ -81,8 +81,8 @@ OUTPUT = {
 
 
 def merged(one: Any, other: Any) -> Any:
-    """Two plain trees; of one key that both set, the second's, and none where it is None. Lists of tables are merged
-    table by table.
+    """Merge two plain trees; of a key that both set, the value of the second one, and no key where it is None. Lists of
+    tables are merged table by table.
     """
     if isinstance(one, dict) and isinstance(other, dict):
         both = {key: merged(one.get(key), other[key]) if key in other else one[key] for key in {**one, **other}}

@@ -1,4 +1,4 @@
-"""Scenes to test with."""
+"""Scenes for tests."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ def scene_of(body, *, duration=1.0, frame_every=0.1, head=""):
 
 
 def two_floats(apart, *, hydrodynamics='drag = "none"', integration="", contacts="restitution = 0.0", **times):
-    """Two equal heavy spheres on an endless surface, at rest."""
+    """Two equal heavy spheres on an unbounded surface, at rest."""
     half = 0.5 * apart
     floats = f"[[particles]]\n{HEAVY}positions = [[{-half!r}, 0.0], [{half!r}, 0.0]]\n"
     return scene_of(
@@ -26,7 +26,7 @@ def two_floats(apart, *, hydrodynamics='drag = "none"', integration="", contacts
 
 
 def colliding(velocities, *, densities=(1300.0, 1300.0), radii=(1e-3, 1e-3), contacts="restitution = 0.5", gap=2e-4):
-    """Two spheres that feel nothing but each other's surface, about to meet on the x axis."""
+    """Two spheres without forces except contacts, about to collide on the x axis."""
     half = 0.5 * (radii[0] + radii[1] + gap)
     floats = "".join(
         f"[[particles]]\nradius = {radius}\ndensity = {density}\ncontact_angle = 1.5707963\n"

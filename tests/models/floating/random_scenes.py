@@ -106,7 +106,7 @@ def surround(dice, plain, radius, boundary):
 
 
 def floats(dice, plain, radius, boundary, shaped):
-    """One or two species, by one of the ways in which floats can be given."""
+    """Add one or two species in one of the ways in which floats can be given."""
     species = []
     for _ in range(int(dice.choice([1, 1, 2]))):
         own = radius * float(dice.choice([1.0, dice.uniform(0.4, 1.0)]))
@@ -145,7 +145,7 @@ def floats(dice, plain, radius, boundary, shaped):
 
 
 def move(dice, plain, radius, slow, shaped):
-    """What moves floats beside one another: flow, noise, activity, a moving dish."""
+    """Add causes of motion: flow, noise, activity, a moving dish."""
     water, drive = plain["hydrodynamics"], dice.random()
     friction = 3.0 * math.pi * plain["liquid"]["viscosity"] * radius
     speed = radius * math.exp(dice.uniform(-1.0, 4.0))
@@ -316,14 +316,14 @@ def add_films(dice, plain, laws):
 
 
 def add_memory(dice, plain, laws):
-    """A random force with memory, beside what else moves floats."""
+    """Add a random force with memory to the other causes of motion."""
     push = 3.0 * math.pi * 1e-3 * largest_radius(plain) ** 2 * math.exp(dice.uniform(-1.0, 4.0))
     active = {"force": push, "persistence": powers(dice, -3.0, 1.0), "torque": float(dice.choice([0.0, 1e-20]))}
     plain["activity"] = plain.get("activity", {}) | active
 
 
 def add_weight(dice, plain, laws):
-    """Another gravity, or none to speak of."""
+    """Change gravity, or make it negligible."""
     plain["gravity"] = float(dice.choice([0.1, 1.62, 30.0]))
 
 
@@ -363,7 +363,7 @@ REFUSED = ("refused", "refused at the start", "not good")
 
 
 def outcome(seed, steps, further=2):
-    """How the run of a random scene ends: "done", one of `REFUSED`, or the message with which it fails."""
+    """The outcome of the run of a random scene: "done", one of `REFUSED`, or the message with which it fails."""
     found = drawn(seed, steps, further)
     if found is None:
         return REFUSED[0]

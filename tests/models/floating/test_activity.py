@@ -1,4 +1,4 @@
-"""Active floats: how far they move, how they turn, what work they take."""
+"""Active floats: displacements, rotation and work."""
 
 import math
 import os

@@ -1,4 +1,4 @@
-"""A barrier: its forces and work beside closed forms, symmetry, half runs, and what it refuses."""
+"""A barrier: forces and work compared with closed forms, symmetry, half runs, and refusals."""
 
 import math
 
@@ -42,7 +42,7 @@ def trough(places, *, barrier=None, integrator="overdamped", dish=None, count=No
 
 
 def friction_of(scene):
-    """The drag of a lone float over its velocity (N s/m)."""
+    """The drag of a single float over its velocity (N s/m)."""
     floats = FLOATING.parameters(scene).floats
     return float(floats.mass[0] / floats.relaxation_time[0])
 
@@ -98,7 +98,7 @@ def test_the_energy_minus_the_work_of_a_barrier_with_a_meniscus_never_rises(angl
 @PLAIN
 @pytest.mark.parametrize("law", ["meniscus", "profile"])
 def test_a_slow_barrier_does_the_work_of_its_meniscus_on_a_float_that_is_held(law):
-    """A liquid so viscous that nothing moves: the work is the change of the float's energy."""
+    """The liquid is so viscous that nothing moves: the work is the change of the energy of the float."""
     scene = trough(
         [[0.0, 0.0]], dish={"law": law, "contact_angle": 2.2}, interaction={}, integrator="velocity-verlet",
         barrier={"velocity": 0.01, "start": 0.01, "stop": 0.016}, liquid={"viscosity": 1e9, "surface_tension": 0.0728},
@@ -151,7 +151,7 @@ def test_a_barrier_follows_its_table_and_stops_where_it_is_told():
 
 @pytest.mark.parametrize("integrator", ["overdamped", "velocity-verlet"])
 def test_a_packed_raft_stops_the_barrier_before_it_is_squeezed(integrator):
-    """A row of floats between barrier and wall has no room left after a known way."""
+    """A row of floats between barrier and wall has no room after a known displacement."""
     row = [[0.0195 - RADIUS - 2.0 * RADIUS * k, 0.0] for k in range(6)]
     scene = trough(
         row, barrier={"velocity": 0.01, "start": 0.0265, "stop": 0.03}, duration=0.3, frame_every=0.1,
@@ -237,7 +237,7 @@ def test_a_raft_buckles_where_the_energy_of_its_softest_wave_vanishes(diameter):
 
 
 def drawn(seed):
-    """Floats of two sizes, a barrier that compresses and expands them, menisci, friction and restitution by chance."""
+    """Random floats of two sizes, a barrier that compresses and expands them, menisci, friction and restitution."""
     dice = np.random.default_rng(seed)
     law, side = str(dice.choice(["meniscus", "none", "profile"])), str(dice.choice(list(SIDES)))
     integrator = str(dice.choice(["velocity-verlet", "semi-implicit-euler", "explicit-euler"]))

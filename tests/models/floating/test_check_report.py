@@ -1,4 +1,4 @@
-"""What `ecume check` tells of a scene is true of all its floats."""
+"""The report of `ecume check` on a scene is correct for all its floats."""
 
 import math
 import warnings
@@ -158,7 +158,7 @@ def screened_force(distance, own, law):
 
 @pytest.fixture
 def without_checks(monkeypatch):
-    """Laws without checks of their numbers in place of the built-in one-sided one."""
+    """Replace the built-in one-sided law by laws without checks of their numbers."""
 
     def put(make):
         law = PairLaw(Screened, make, screened_force, None, papers=())
@@ -236,14 +236,14 @@ def test_fast_floats_are_told_what_their_drag_lacks():
 
 
 def test_a_liquid_without_viscosity_needs_no_word_on_drag():
-    """The default law of drag was refused in it."""
+    """The default drag law was refused in it."""
     rows = report({"liquid": {"viscosity": 0.0}, "particles": [CEREAL]})
     assert "Reynolds number" not in rows
     assert "added mass" in rows
 
 
 def test_what_lacks_drag_is_told_only_what_can_be_had():
-    """`schiller-naumann` is refused for shapes and in moving dishes: it was the remedy there, too."""
+    """`schiller-naumann` is refused for shapes and in moving dishes, where the remedy also named it."""
     milk = {"density": 1030.0, "viscosity": 2e-3, "surface_tension": 0.045}
     needle = CEREAL | {"radius": 5e-3, "shape": {"kind": "needle", "width": 3e-3}}
     changes = {

@@ -1,4 +1,4 @@
-"""Floats that are magnets: menisci draw them together, dipoles keep them apart."""
+"""Magnetic floats: menisci attract them, dipoles repel them."""
 
 import math
 
@@ -35,7 +35,7 @@ def forces_of(scene):
 
 
 def both(distance, parameters, moments=(MOMENT, MOMENT)):
-    """Force of menisci and dipoles; positive repels."""
+    """The force of menisci and dipoles; positive repels."""
     length, charge = parameters.pair[1], parameters.floats.charge
     strength = capillarity.pair_strength(0.0728, charge[0], charge[1])
     pushed = pair_laws.dipole_force(distance, pair_laws.dipole_strength(*moments))

@@ -1,4 +1,4 @@
-"""A dish that is moved, and floats as they are seen from it."""
+"""A moving dish, and the motion of floats in its frame."""
 
 import math
 
@@ -24,7 +24,7 @@ def dish(
     floats=f"{HEAVY}positions = [[1e-3, 2e-3]]\n",
     **times,
 ):
-    """One float in a dish without a meniscus that moves."""
+    """One float in a moving dish without a meniscus."""
     table = f'[dish]\nradius = 0.02\nlaw = "none"\n[dish.motion]\n{moved}'
     forces = f"[hydrodynamics]\n{hydrodynamics}\n" if hydrodynamics else ""
     steps = f"[integration]\n{integration}\n" if integration else ""

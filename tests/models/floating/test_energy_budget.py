@@ -19,7 +19,7 @@ PAIR = f"[[particles]]\n{HEAVY}positions = [[-1.5e-3, 0.0], [1.5e-3, 0.5e-3]]\n"
 
 
 def in_a_current(motion, **times):
-    """A lone float at rest where the surface flows."""
+    """A single float at rest on a flowing surface."""
     floats = f"[[particles]]\n{HEAVY}positions = [[0.0, 0.0]]\n"
     return scene_of(f"{WATER}{CURRENT}{floats}{motion}\n{APART}", head='hydrodynamics.drag = "stokes"', **times)
 
@@ -29,7 +29,7 @@ def friction_of(parameters):
 
 
 def rises(scene):
-    """The worst that the invariant of energy says of a run, and its last numbers."""
+    """The largest violation of the energy invariant in a run, and the last numbers of the run."""
     (energy,) = (one for one in FLOATING.invariants(scene, FLOATING.parameters(scene)) if one.name == "energy")
     seen, worst = None, 0.0
     for frame in simulate(scene):
@@ -59,7 +59,7 @@ def test_a_float_that_a_current_takes_along_is_given_what_it_gains_and_what_drag
 
 
 def test_what_drifts_steadily_is_given_as_much_as_drag_takes():
-    """Without inertia, so at once: the power is zeta u^2, and the energy stays."""
+    """Without inertia, so immediately: the power is zeta u^2, and the energy is constant."""
     scene = in_a_current('[integration]\nintegrator = "overdamped"', duration=1.0, frame_every=0.5)
     _, half, whole = (frame.numbers for frame in simulate(scene))
     power = friction_of(FLOATING.parameters(scene)) * SPEED**2
@@ -86,7 +86,7 @@ def test_a_float_on_which_nothing_drags_has_back_after_a_swing_what_the_dish_has
 
 
 def test_a_dish_that_is_drawn_through_a_liquid_pays_for_the_drag():
-    """The float stays in the liquid, and is seen to go back at the dish's speed: zeta V^2."""
+    """The float remains in the liquid, and moves backward in the frame of the dish at its speed: zeta V^2."""
     scene = dish(
         "velocity = [0.02, 0.0]\n",
         hydrodynamics="",
@@ -128,7 +128,7 @@ def test_the_energy_from_noise_is_heat():
     ],
 )  # fmt: skip
 def test_energy_rises_only_by_the_injected_work(driven):
-    """Floats that pull at each other and meet, and a wall that pulls, too."""
+    """Floats that attract each other and collide, and a wall that attracts them, too."""
     worst, seen = rises(scene_of(WATER + driven, duration=0.3, frame_every=0.01))
     assert worst < 1e-5
     assert (INJECTED in seen.now) == ("flow" in driven or "motion]\namp" in driven)

@@ -1,4 +1,4 @@
-"""Sums with a grid beside the cells, against direct ones."""
+"""Sums with a grid, compared with direct ones."""
 
 import numpy as np
 import pytest
@@ -20,7 +20,7 @@ SLOW = '[integration]\nintegrator = "overdamped"\n'
 
 
 def scene_of_beads(count, *, interaction='summation = "grid"', motion=SLOW, dish="", **times):
-    """As many heavy as light ones, whose charges are opposite."""
+    """Equal numbers of heavy and light floats, with opposite charges."""
     floats = f'[[particles]]\nname = "heavy"\ncount = {count // 2}\ndensity = 2000.0\n{SMALL}'
     floats += f'[[particles]]\nname = "light"\ncount = {count - count // 2}\ndensity = 1.0\n{SMALL}'
     return scene_of(f"{WATER}{floats}{motion}[interaction]\n{interaction}\n{dish}", **times)
@@ -142,7 +142,7 @@ def test_bits_do_not_depend_on_threads_or_pauses():
 @pytest.mark.long
 @pytest.mark.compiled
 def test_an_integration_with_a_grid_is_that_with_cells():
-    """Two that fall together, with inertia: the same scheme around other sums."""
+    """Two attracting floats with inertia: the same scheme with different sums."""
     ends = []
     for how in ('summation = "cells"\naccuracy = 1e-8', 'summation = "grid"\naccuracy = 1e-8'):
         scene = scene_of_beads(8, interaction=how, motion='[integration]\nintegrator = "velocity-verlet"\n')

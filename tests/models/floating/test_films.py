@@ -1,4 +1,4 @@
-"""Films between floats: two that approach take the longer, and nobody's momentum changes."""
+"""Films between floats: they slow down approaches, and conserve momentum."""
 
 import dataclasses
 import math

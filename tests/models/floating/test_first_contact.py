@@ -1,4 +1,4 @@
-"""The contact that `ecume check` expects is the one that the run has."""
+"""The contact expected by `ecume check` is that of the run."""
 
 import math
 

@@ -1,4 +1,4 @@
-"""Floats that creep, that chance moves, and that a flowing surface carries."""
+"""Overdamped floats with thermal noise and in flows of the surface."""
 
 import math
 
@@ -205,7 +205,7 @@ def test_what_moves_by_drag_needs_drag(motion, flow, path):
 
 @pytest.mark.parametrize("integrator", ["velocity-verlet", "semi-implicit-euler"])
 def test_fast_floats_drag_as_schiller_and_naumann_found(integrator):
-    """A bead at rest on a fast surface, and one that is thrown, against SciPy's integration."""
+    """A bead at rest on a fast surface, and one with an initial velocity, compared with SciPy's integration."""
     from scipy.integrate import solve_ivp
 
     from ecume.laws import drag

@@ -1,4 +1,4 @@
-"""Floats whose surfaces rub, in the plane of the liquid."""
+"""Floats with surface friction."""
 
 import math
 
@@ -23,7 +23,7 @@ CROWD = (
 
 
 def grazing(friction, *, restitution=0.5, viscosity=0.0, **times):
-    """Two equal spheres that feel nothing but each other's surface meet on the x axis, while one goes along y."""
+    """Two equal spheres without forces except contacts, which collide on the x axis while one moves along y."""
     floats = (
         f"[[particles]]\n{HEAVY}positions = [[-0.0011, 0.0]]\nvelocity = [0.04, 0.01]\n"
         f'[[particles]]\nname = "b"\n{HEAVY}positions = [[0.0011, 0.0]]\nvelocity = [-0.04, 0.01]\n'

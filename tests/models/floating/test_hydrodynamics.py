@@ -1,4 +1,4 @@
-"""Floats that move one another by the flow of the liquid: rafts, pairs, currents, contacts and friction."""
+"""Floats with hydrodynamic interaction: rafts, pairs, currents, contacts and friction."""
 
 import math
 import os

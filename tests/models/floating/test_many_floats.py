@@ -1,4 +1,4 @@
-"""Many floats that move one another by the flow of the liquid: sums on a grid beside the matrix."""
+"""Many floats with hydrodynamic interaction: sums on a grid, compared with the matrix."""
 
 import math
 import os
@@ -29,13 +29,13 @@ plain = pytest.mark.skipif(not PLAIN, reason="tried as plain Python")
 
 @pytest.fixture
 def few_are_many(monkeypatch):
-    """Call it with the largest number of floats that have a matrix."""
+    """A function that sets the largest number of floats with a matrix."""
     return lambda count: monkeypatch.setattr(hydrodynamic_interaction, "MATRIX_UP_TO", count)
 
 
 @pytest.fixture
 def fine(monkeypatch):
-    """Grids as fine as those of thousands of floats: few are summed as pairs where that is less work."""
+    """Use grids as fine as those of thousands of floats, for which few pairs are summed directly."""
     monkeypatch.setattr(many_floats, "PAIR", 1000.0)
 
 

@@ -64,7 +64,7 @@ def test_two_floats_meet_when_the_equation_of_motion_says_so(drag_on):
 
 @pytest.fixture
 def coarse_steps_allowed():
-    """These tests take long steps on purpose."""
+    """Permit long steps, which these tests use on purpose."""
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", StepWarning)
         yield

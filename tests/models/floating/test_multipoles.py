@@ -1,4 +1,4 @@
-"""Floats beyond superposition, while they move."""
+"""Floats beyond superposition, in motion."""
 
 import dataclasses
 
@@ -45,7 +45,7 @@ def discs(positions, method, radius=1.35e-3, dish=None, drag=True, **options):
 
 
 def forces(scene):
-    """At the start, as the march has them."""
+    """The forces at the start, as in the time integration."""
     parameters, state, workspace = begun(scene)
     FLOATING.advance(parameters, state, workspace, 0)
     return workspace.force.copy()
@@ -114,7 +114,7 @@ def test_energy_and_momentum_last_where_nothing_drags(method):
 
 
 def ends(places, **options):
-    """How far the first two are apart after a while, by each method."""
+    """The final distance of the first two floats, by each method."""
     found = {}
     for method in ("superposition", "pair-corrected", "multipole"):
         *_, last = simulate(discs(places, method, drag=False, time_step=2e-4, **options))

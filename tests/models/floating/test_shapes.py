@@ -1,4 +1,4 @@
-"""Floats with a shape: they turn, pull at one another by their contact lines, and touch as what they are."""
+"""Floats with a shape: they rotate, attract by their contact lines, and touch at their outlines."""
 
 import math
 
@@ -49,7 +49,7 @@ def ellipsoid_pair(one, other, *, apart=1.5e-3, viscosity=20.0, motion="", **tim
 
 
 def everyone(extra=""):
-    """One of each, close together."""
+    """One float of each shape, close together."""
     places = [(0.0, 0.0), (1.1e-3, 0.2e-3), (0.3e-3, 1.2e-3), (1.5e-3, 1.2e-3), (0.2e-3, -1.1e-3)]
     bodies = "".join(
         species(kind, [place], 0.3 + 0.9 * k) for k, (kind, place) in enumerate(zip(KINDS, places, strict=True))
@@ -149,7 +149,7 @@ def test_mirror_images_dock_and_roll_from_their_tips_to_their_flanks():
 
 
 def billiard(restitution, *, dish="", duration=0.2):
-    """All kinds, thrown at their middle; nothing acts but contacts."""
+    """Shapes of all kinds, moving to their center, with no forces except contacts."""
     chance, bodies = np.random.default_rng(2), ""
     for k in range(9):
         place = 1.2e-3 * (k % 3 - 1), 1.2e-3 * (k // 3 - 1)

@@ -15,13 +15,13 @@ SOFT = 'law = "spring-dashpot"\n'
 
 
 def relative(frames):
-    """The speed at which two part, over that at which they came."""
+    """The separation speed of two floats, over their approach speed."""
     first, last = (frame.arrays["velocity"][:, 0] for frame in (frames[0], frames[-1]))
     return (last[1] - last[0]) / (first[0] - first[1])
 
 
 def at_step(scene, time_step):
-    """The scene with steps of its own: some hundred in a collision, where the advised one takes twenty."""
+    """The scene with short steps: some hundred in a collision, where the recommended one takes twenty."""
     return dataclasses.replace(scene, integration=dataclasses.replace(scene.integration, time_step=time_step))
 
 

@@ -41,7 +41,7 @@ SEEDS = [pytest.param(seed, marks=pytest.mark.uncompiled) if seed in (1, 4, 7) e
 
 def boats(places, *, release=2e-7, field=FIELD, around=CELL, velocity="[0.0, 0.0]", rest=ALONE + STOKES, step=2e-3,
           drops="", **times):  # fmt: skip
-    """Equal discs in clean water at these places."""
+    """Equal discs on clean water at these positions."""
     source = f"[[surfactant.sources]]\nrelease = {release}\n" if release else ""
     return scene_of(
         f"[liquid]\nname = 'water'\n{around}[surfactant]\n{field}{source}{drops}"
@@ -60,8 +60,8 @@ def advanced(scene, *parts):
 
 
 def slowness(spacing):
-    """The part of its speed in closed form, on an infinite surface, that a disc on the grid lacks. The trail, 2 cm
-    long, ends within the cell.
+    """The relative difference of the speed of a disc on the grid from that in closed form on an infinite surface. The
+    trail, 2 cm long, ends within the cell.
     """
     field = FIELD.replace("loss_rate = 5.0", "loss_rate = 20.0").replace("5e-4", str(spacing))
     step = "2.5e-4\nintegrator = 'overdamped'"

@@ -1,4 +1,4 @@
-"""Which laws a scene's theory brings, and what walls do by table."""
+"""The laws of a theory of a scene, and walls with tables."""
 
 import dataclasses
 import math
@@ -90,7 +90,7 @@ def test_the_linear_theory_has_its_own_charge_and_wall():
 
 
 def at_the_law(law, image, place, dish=ROUND):
-    """The force of a table."""
+    """The force according to a table."""
     parameters = FLOATING.parameters(in_a_dish(f'{dish}\nlaw = "{law}"\nimage = "{image}"'))
     assert parameters.wall_law == TABLED
     return parameters, wall_force(parameters, place)

@@ -1,4 +1,4 @@
-"""Collisions of Brownian floats on the paths of a step: elastic, in the order of time, and as in equilibrium."""
+"""Collisions of Brownian floats on the paths of a step: elastic, in temporal order, and as in equilibrium."""
 
 import math
 

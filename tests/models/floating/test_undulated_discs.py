@@ -1,4 +1,4 @@
-"""Floats whose rims undulate: they turn, and meet rise to rise."""
+"""Floats with undulated rims: they rotate, and attract rise to rise."""
 
 import math
 

@@ -36,12 +36,12 @@ def small_falling(distance: float, parameters: PairParameters) -> float:
 
 @pytest.fixture(scope="module")
 def extended():
-    """Compiling a march takes seconds: one for all tests, with both laws."""
+    """The model with both laws, compiled once for all tests, since this takes seconds."""
     return MODELS["floating"].extended(bind(two_floats(6e-3), [small_magnets, small_falling]))
 
 
 def first_kick(model, apart=6e-3):
-    """The force that one step of a model lets the second of two floats feel, taken from its speed."""
+    """The force on the second of two floats in one step of a model, from its speed."""
     scene = two_floats(apart, duration=0.2)
     parameters = model.parameters(scene)
     state = model.start(scene, parameters)
@@ -92,7 +92,7 @@ STRONG = 3e-11
 
 
 def pushing(distance: float, parameters: Any) -> float:
-    """A repulsion along a logarithm, whose strength stands in the scene."""
+    """A logarithmic repulsion whose strength is given in the scene."""
     return parameters.constants[0] / distance
 
 
@@ -234,7 +234,7 @@ def test_a_law_that_is_none_is_refused_in_a_line(law, says):
 
 
 def test_the_range_of_a_law_alone_is_its_own():
-    """Without menisci a short law acts in a cell far smaller than they reach."""
+    """Without menisci a short-ranged law acts in a cell that is much smaller than the range of menisci."""
     bead = {"radius": 1e-6, "density": 1050.0, "contact_angle": 1.4, "positions": [[1e-5, 1e-5], [2e-5, 2e-5]]}
     plain = {
         "model": "floating", "duration": 0.1, "frame_every": 0.1, "cell": {"size": [4e-5, 4e-5]},

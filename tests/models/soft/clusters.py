@@ -1,4 +1,4 @@
-"""Scenes and steps for tests, and a referee for the T1 process."""
+"""Scenes and steps for tests, and an independent solution of the T1 process."""
 
 import math
 
@@ -17,7 +17,7 @@ LOPSIDED = (4.0, 3.0, 0.8, 0.6, 1.2, 0.7)
 
 
 def contacts(prefactors=PAPER, viscosity=1.0, **more):
-    """Everything that contacts share, without remote force and without an end of their reach."""
+    """The common constants of contacts, without long-range force and with unlimited reach."""
     given = {
         "fade_from": math.inf, "fade_to": math.inf, "rounding": 1e-12, "remote": 0, "strength": 0.0,
         "steric_length": 1.0, "hamaker": 0.0, "layer_strength": 0.0, "debye_length": 1.0, "smallest_separation": 0.0,
@@ -31,7 +31,7 @@ def contacts(prefactors=PAPER, viscosity=1.0, **more):
 
 
 def pull_apart(gap, force, *, tolerance=1e-9, duration, frames=1, prefactors="paper", turn=0.0, more=()):
-    """A scene of two unit spheres of modulus and viscosity 1 that a constant force parts, or presses together."""
+    """A scene of two unit spheres of modulus and viscosity 1 that a constant force separates or compresses."""
     axis = np.array([math.cos(turn), math.sin(turn), *more])
     axis /= np.linalg.norm(axis)
     spheres = tuple(
@@ -68,7 +68,7 @@ def integrated(scene, *, parts=1):
 
 
 def one_contact(given, between, log_gap, direction, span, start=None):
-    """What a contact of two unequal spheres answers."""
+    """The linear response of a contact between two different spheres."""
     space = np.zeros((1, 3))
     pairs = Pairs(
         np.array([0]),
@@ -103,20 +103,22 @@ class Referee:
         self.begin = np.array([math.log(gap), math.log(far), math.log(gap), math.pi / 3])
 
     def forces(self, y, place):
-        """Tensions of the horizontal, vertical and diagonal pairs, the diagonal's slide, contact sizes and gaps."""
+        """Tensions of the horizontal, vertical and diagonal pairs, the sliding force of the diagonal, contact sizes and
+        gaps.
+        """
         gaps, n = np.exp(y[:3]), np.array([math.cos(y[3]), math.sin(y[3])])
         stretch = np.array([2 * place[0], 2 * place[1], place @ n]) - 2 - gaps
         size = np.sqrt(gaps + np.abs(stretch))
         return size * stretch, size[2] * (place @ [-n[1], n[0]]), size, gaps, n
 
     def left(self, place, y, pull):
-        """What is left on the left and on the top sphere."""
+        """The residual forces on the left and on the top sphere."""
         tension, slide, _, _, n = self.forces(y, place)
         pulls = n * tension[2] + slide * np.array([-n[1], n[0]])
         return np.array([tension[0] + 2 * pulls[0], -pull - tension[1] - 2 * pulls[1]])
 
     def balance(self, time, y):
-        """Newton's method for the places at frozen gaps."""
+        """Newton's method for the positions at constant gaps."""
         pull = math.sqrt(3) * self.kappa * min(time / self.ramp, 1.0)
         for _ in range(30):
             left = self.left(self.place, y, pull)
@@ -127,13 +129,13 @@ class Referee:
                 break
 
     def rate(self, time, y):
-        """Each film flows under the force of its surfaces."""
+        """The rates of gaps: each film flows under the force of its surfaces."""
         self.balance(time, y)
         tension, slide, size, gaps, _ = self.forces(y, self.place)
         opening = tension * gaps**2 / (1.5 * math.pi * self.kappa * size**4)
         return [*opening, slide * gaps[2] / (math.pi * self.kappa * size[2] ** 2) / (2 + gaps[2])]
 
     def missing(self, time, y):
-        """How far the vertical pair is from carrying nine tenths of the pull."""
+        """The force of the vertical pair minus nine tenths of the external force."""
         self.balance(time, y)
         return -self.forces(y, self.place)[0][1] - 0.9 * math.sqrt(3) * self.kappa if y[1] < y[0] else -1.0

@@ -120,7 +120,7 @@ def spheres(dice, radius, modulus):
 
 
 def cluster(dice, plain, sizes, course):
-    """A few spheres side by side, which forces or torques move; or which settle on a wall."""
+    """A few spheres side by side, moved by forces or torques, or settling on a wall."""
     radius, modulus, dimensions = sizes
     count, gap = 2 + int(dice.integers(4)), radius * float(10.0 ** dice.uniform(-3, -0.7))
     step = 2.0 * radius + gap
@@ -163,7 +163,7 @@ def cluster(dice, plain, sizes, course):
 
 
 def cell(dice, plain, sizes, course):
-    """A periodic cell that is sheared and sized, by values or by stresses."""
+    """A periodic cell whose shear and size are controlled by values or stresses."""
     radius, modulus, dimensions = sizes
     rate, strain = course
     filled = float(dice.choice([0.5, 0.65, 0.75, 0.8])) * (1.0 if dimensions == 2 else 0.7)
@@ -438,7 +438,7 @@ OPTIONS = (
 
 
 def explicit(scene):
-    """The same scene with all places and radii given. Raises SceneError."""
+    """The scene with all positions and radii given. Raises SceneError."""
     plain, first = to_plain(scene), 0
     preparation = plain.pop("preparation", None)
     if preparation is not None:
@@ -527,7 +527,7 @@ class Slow(Exception):
 
 
 def copied(state):
-    """A state that nothing moves on."""
+    """A copy of a state that later steps do not change."""
     return state._replace(**{name: value.copy() for name, value in state._asdict().items() if hasattr(value, "copy")})
 
 
@@ -546,7 +546,7 @@ def run(scene, state=None, keep=(), limit=math.inf):
 
 
 def faults(scene, frames):
-    """What a run does not keep: the balance of forces, imposed stresses, symmetry, and the energy budget."""
+    """The violated conditions of a run: balance of forces, imposed stresses, symmetry, and energy budget."""
     found = {}
     first, last = frames[0].numbers, frames[-1].numbers
     worst = max(frame.numbers["imbalance"] for frame in frames)
@@ -600,7 +600,7 @@ SHARED = ("dissipated_work", "total_energy", "smallest_gap", "largest_compressio
 
 
 def rounding_of(scene):
-    """What rounding of positions leaves in each number; in forces it is that of the stiffest springs, those of glue."""
+    """The effect of rounding of positions on each number; for forces, that of the stiffest springs, those of glue."""
     radius = max(one.radius for one in scene.particles)
     force = ROUNDED * max(one.modulus for one in scene.particles) * radius**2
     stiffest = force * (GLUE if any(one.glued for one in scene.particles) else 1.0)
@@ -612,7 +612,7 @@ def rounding_of(scene):
 
 
 def error_of_scene(scene):
-    """The error of stresses and work that the tolerance of a scene stands for."""
+    """The error of stresses and work that corresponds to the tolerance of a scene."""
     return error_of_run(scene.integration.integrator, scene.integration.tolerance)
 
 
@@ -638,7 +638,7 @@ def unlike(scene, ours, theirs, matrix=None, order=None):
 
 
 def outcome(seed, drawing=draw, limit=math.inf):
-    """How the run of a random scene ends, and what it does not keep: a word, and a table."""
+    """The outcome of the run of a random scene, and its violated conditions: a word, and a table."""
     dice = np.random.default_rng(seed)
     plain = drawing(dice)
     with warnings.catch_warnings():

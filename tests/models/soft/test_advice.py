@@ -1,4 +1,4 @@
-"""What `ecume check` says of soft spheres: forces by where they come from, what is doubtful, and what it costs."""
+"""The report of `ecume check` on soft spheres: forces by their cause, warnings, and costs."""
 
 import math
 

@@ -57,7 +57,7 @@ LOAD = ({"time": 0.0, "load": 0.0}, {"time": 0.5, "load": 1.0})
 
 
 def leaning(**changes):
-    """A sphere that leans on one of two others, which stand on a wall, and that begins to be pushed down."""
+    """A sphere that leans on one of two others, which rest on a wall, and on which a downward force starts to act."""
     places = ([0.0, 1.02], [2.02, 1.02], [3.05, 2.78])
     spheres = [
         {"radius": 1.0, "modulus": 1.0, "positions": [place], "force": [0.0, -1e-4 * (n == 2)]}

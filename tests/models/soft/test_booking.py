@@ -1,4 +1,4 @@
-"""The energy budget of soft spheres: exact where a force stays, and closing the better the finer the steps are."""
+"""The energy budget of soft spheres: exact for constant forces, and otherwise closing better with finer steps."""
 
 import dataclasses
 import functools
@@ -41,7 +41,7 @@ def ends(scene):
 
 
 def missing(change):
-    """What the budget does not contain."""
+    """The residual of the energy budget."""
     return change["injected_work"] - sum(change[key] for key in ("total_energy", "dissipated_work", "size_work"))
 
 
@@ -75,13 +75,13 @@ def test_the_error_of_the_energy_budget_falls_with_the_order_of_the_scheme(schem
 
 
 def ramped():
-    """Two spheres that a load parts, which grows."""
+    """Two spheres separated by a load that increases."""
     scene = pull_apart(0.01, 0.01, duration=50.0)
     return dataclasses.replace(scene, protocol=(StageSpec(time=0.0, load=0.0), StageSpec(time=50.0, load=1.0)))
 
 
 def sinking():
-    """Two spheres that sink onto a wall, where a torque that grows rolls one of them along."""
+    """Two spheres that sink onto a wall, one of which an increasing torque rolls along it."""
     one, other = (
         {"radius": 1.0, "modulus": 1.0, "density": 2.0, "positions": [[x, 1.02]], "torque": [torque]}
         for x, torque in ((0.0, -0.01), (2.1, 0.0))

@@ -1,4 +1,4 @@
-"""Scenes that once failed, each as it was reported: the files in `cases`."""
+"""Scenes that once failed, each as reported: the files in `cases`."""
 
 import dataclasses
 from pathlib import Path
@@ -19,7 +19,7 @@ def case(name, **changes):
 
 
 def missing(frames):
-    """What the energy budget misses, over the dissipated work."""
+    """The residual of the energy budget, over the dissipated work."""
     first, *_, last = (frame.numbers for frame in frames)
     spent = last["dissipated_work"] + last["size_work"] + last["total_energy"] - first["total_energy"]
     return abs(last["injected_work"] - spent) / last["dissipated_work"]

@@ -1,4 +1,4 @@
-"""The periodic box of soft spheres: how places, velocities and the strain go with it."""
+"""The periodic box of soft spheres: its effect on positions, velocities and the strain."""
 
 import numpy as np
 import pytest

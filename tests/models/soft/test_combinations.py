@@ -1,4 +1,4 @@
-"""All that can be imposed on a packing, with all that resists it: each runs, or is refused with its physical reason."""
+"""All kinds of loading of a packing with all kinds of resistance: each runs, or is refused with a physical reason."""
 
 import itertools
 
@@ -45,7 +45,7 @@ def boxed(shear, size, drag, rotation, friction, force, dimensions=2, filled=0.8
 
 
 def holds(frames, scene):
-    """What every run keeps: the balance of forces, the imposed stresses, and the energy budget."""
+    """The conditions that every run satisfies: balance of forces, imposed stresses, and energy budget."""
     stage, first = scene.protocol[0], frames[0].numbers
     for frame in frames:
         numbers = frame.numbers

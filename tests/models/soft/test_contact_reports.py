@@ -1,4 +1,4 @@
-"""What frames and messages say about contacts: complete lists, extremes, and the contact that ends a run."""
+"""Contacts in frames and messages: complete lists, extremes, and the contact that ends a run."""
 
 import contextlib
 import math
@@ -20,7 +20,7 @@ pytestmark = pytest.mark.sampled(2)
 
 
 def asymmetry(frame):
-    """Of the stress, over its shear component."""
+    """The asymmetry of the stress, over its shear component."""
     stress = stress_tensor(frame)
     return abs(stress[0, 1] - stress[1, 0]) / abs(stress[0, 1])
 

@@ -1,4 +1,4 @@
-"""A run of soft spheres counts the time steps that were taken."""
+"""A run of soft spheres counts its accepted time steps."""
 
 import json
 

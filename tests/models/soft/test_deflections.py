@@ -1,4 +1,4 @@
-"""Tangential laws and tension laws: what a closed path of deflections gives back, and where a stiffness is definite."""
+"""Tangential laws and tension laws: the energy of closed paths of deflections, and the range of definite stiffness."""
 
 import itertools
 import math

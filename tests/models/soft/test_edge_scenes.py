@@ -1,4 +1,4 @@
-"""Scenes at the edge of what has a solution: one sphere at a wall, rattlers, absurd forces, boxes too full or small."""
+"""Scenes at the limits of solvability: one sphere at a wall, rattlers, absurd forces, boxes too full or too small."""
 
 import math
 

@@ -1,4 +1,4 @@
-"""What scenes may choose between: surfaces, interfaces, contact friction; and spheres that are not alike."""
+"""Alternatives in scenes: surfaces, interfaces, contact friction; and unequal spheres."""
 
 import dataclasses
 import inspect
@@ -25,7 +25,7 @@ pytestmark = [pytest.mark.compiled, pytest.mark.sampled(2)]
 
 
 def pair(force=(-1e-3, 0.0), gap=0.02, radii=(1.0, 1.0), moduli=(1.0, 1.0), duration=50.0, **more):
-    """Two spheres; the force is that on the second, and pulls the first the other way."""
+    """Two spheres; the force acts on the second one, and its opposite on the first."""
     centers = (0.0, sum(radii) + gap)
     spheres = [
         {"radius": r, "modulus": e, "positions": [[x, 0.0]], "force": [sign * one for one in force]}

@@ -1,4 +1,4 @@
-"""A contact's linear answers are the derivatives of what it does."""
+"""The linear response of a contact is the derivative of its behavior."""
 
 import itertools
 import math

@@ -1,4 +1,4 @@
-"""What a frame of soft spheres tells: stresses by contribution, velocities, neighbors."""
+"""Measures in frames of soft spheres: stresses by contribution, velocities, neighbors."""
 
 import math
 
@@ -17,7 +17,7 @@ pytestmark = pytest.mark.compiled
 
 
 def sheared(dimensions=2, count=10, steps=4, **more):
-    """Frames of a packing that is sheared and squeezed."""
+    """Frames of a packing that is sheared and compressed."""
     volume = count * sum(math.pi * r**2 if dimensions == 2 else 4 / 3 * math.pi * r**3 for r in (1.0, 1.3))
     plain = {
         "model": "soft", "duration": 4.0, "frame_every": 4.0 / steps, "liquid": {"viscosity": 1e-2},

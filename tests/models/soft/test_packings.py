@@ -1,4 +1,4 @@
-"""Many spheres in a periodic box: random starts, shear, solvers, contacts that come and go."""
+"""Many spheres in a periodic box: random starts, shear, solvers, contacts that open and close."""
 
 import dataclasses
 import math

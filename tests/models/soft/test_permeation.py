@@ -1,4 +1,4 @@
-"""Permeation: Darcy's law in layers, consolidation, what keeps liquid in, and what holds in random scenes."""
+"""Permeation: Darcy's law in layers, consolidation, undrained walls, and random scenes."""
 
 import math
 
@@ -26,7 +26,7 @@ GAP = 1e-6 * RADIUS
 
 
 def column(rows=6, dimensions=2, drained=(False, True), **more):
-    """Spheres on top of each other, which bear a load for long; then it grows by a hundredth."""
+    """Spheres on top of each other under a constant load, which then increases by a hundredth."""
     spacing, depth = 2.0 * RADIUS + GAP, 2.0 * RADIUS if dimensions == 2 else 1.0
     places = [[0.5 * WIDTH, (row + 0.5) * spacing, 0.5 * WIDTH][:dimensions] for row in range(rows)]
     plain = {
@@ -54,7 +54,7 @@ def consolidation(height, rows, dimensions=2):
 
 
 def ran(scene):
-    """The frames and the states at them."""
+    """The frames, and the states at their times."""
     found = [(m.frame, random_scenes.copied(m.state)) for m in moments(scene) if m.frame is not None]
     return [frame for frame, _ in found], [state for _, state in found]
 

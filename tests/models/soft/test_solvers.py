@@ -1,4 +1,4 @@
-"""How a step's linear systems are solved: every solver alike, and the cheapest by what is counted."""
+"""Linear systems of a step: all solvers agree, and the one with the fewest operations is chosen."""
 
 import sys
 
@@ -25,7 +25,7 @@ pytestmark = pytest.mark.compiled
 
 
 def stage(scene, span):
-    """The system of the first of Newton's steps in a stage, as a matrix and what is left on the spheres."""
+    """The system of the first Newton step of a stage, as a matrix and the residual forces."""
     parameters, _, scratch = begun(scene)
     step = scratch.step
     first_stage(parameters.contacts, step, drive_at(parameters.protocol, 0.0))

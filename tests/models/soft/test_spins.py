@@ -1,4 +1,4 @@
-"""Spheres that spin: what turns as a whole feels nothing, and torques balance."""
+"""Spheres that rotate: common rotations cause no forces, and torques balance."""
 
 import dataclasses
 import math
@@ -26,7 +26,7 @@ STERIC = {"law": "steric", "steric_strength": 0.03, "steric_length": 0.3}
 
 
 def cluster(dimensions=2, places=None, rotation=True, drag=False, **more):
-    """Three unlike spheres, all tied to each other."""
+    """Three different spheres, all connected with each other."""
     places = PLACES[dimensions] if places is None else places
     plain = {
         "model": "soft", "duration": 10.0, "frame_every": 10.0, "rotation": rotation,

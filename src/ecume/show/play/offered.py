@@ -199,7 +199,7 @@ def _step(parameters: Parameters, scene: FloatingScene, floats: Floats) -> float
 def numbers_of(
     scenes: dict[str, FloatingScene], every: Sequence[Offered], usual: tuple[int, int, int]
 ) -> dict[str, Any]:
-    """All numbers of a liquid that the page needs, for dishes by their names."""
+    """All numbers of a liquid that the page needs, for each dish by its name."""
     scene = scenes[AS_GIVEN]
     liquid, made = liquid_of(scene), in_liquid(scene, every, usual)
     parameters = {name: parameters_in(one, made) for name, one in scenes.items()}

@@ -58,7 +58,7 @@ FOUR_SPHERES = Parts("t1.html", "play.css", "t1.js", simulates=True)
 
 
 def filled(parts: Parts, title: str, data: str, *, live: bool) -> str:
-    """The page as text: its script, its style and its data inside. `live` pages may send requests to their server."""
+    """The page as text, with its script, style and data. `live` pages may send requests to their server."""
     marks = {
         "@POLICY@": policy_of(parts, live=live),
         "@TITLE@": html.escape(title),

@@ -1,7 +1,7 @@
-"""Floats that move one another through the liquid: their integrator and their contacts.
+"""Floats with hydrodynamic interaction: their integrator and their contacts.
 
 The integrator is v = u + M F, with Brownian motion. The current u is added to the velocities instead of a force zeta u:
-no force acts on floats that drift with the current. `mobility.MOBILITIES` has the ways to multiply by the mobility M.
+no force acts on floats that drift with the current. `mobility.MOBILITIES` is the table of the forms of the mobility M.
 
 Contacts: the impulse of each contact moves all floats. Without inertia floats do not rebound. One plastic solve for the
 midstep velocities, with the full mobility, keeps floats from overlapping after the step.
@@ -82,7 +82,7 @@ class CoupledScratch(NamedTuple):
 
 
 def make_scratch(part: CoupledKicks, mobility: Any) -> CoupledScratch:
-    """Return the workspace."""
+    """Return the workspace of the integrator with this mobility."""
     count = len(part.radius)
     size, flow = 2 * count + len(part.spin), Flow(part.radius, 1.0 / (3.0 * math.pi * part.viscosity))
     return CoupledScratch(mobility, np.zeros(size), np.zeros(size), np.zeros((count, 2)), flow)
@@ -287,7 +287,7 @@ def keep_contacts(state: State, workspace: Workspace) -> None:
 
 @compiled
 def turn(part: CoupledImpulses, motion: Array, time: float, state: State) -> None:
-    """Store the spins of floats that rub, and advance their angles."""
+    """Store the spins of floats with friction, and advance their angles."""
     for i in range(len(part.inertia)):
         state.turning[i, 1] = motion[2 * len(state.turning) + i]
         state.turning[i, 0] += time * state.turning[i, 1]
@@ -319,7 +319,7 @@ def collide_coupled_paths(
 def gather_contacts(parameters: Parameters, state: State, workspace: Workspace) -> None:
     """Find the contacts of this step."""
     contacts = workspace.contacts
-    # Twice the travel for a head-on pair, and twice again for floats that others push.
+    # Twice the travel for a head-on pair; another factor of two for floats that other floats push.
     reach = 4.0 * workspace.travel[0] + parameters.slop
     touching.gather(contacts, workspace.candidates, state.position, contact_bodies(parameters), reach)
     require_gaps(False, parameters, contacts)

@@ -1,7 +1,7 @@
-"""The mobility of floats as an operator, the velocities by forces: of each float by itself, or of floats that move one
-another through the liquid, by a matrix or by products on a grid.
+"""The mobility of floats as an operator from forces to velocities: of single floats, or with hydrodynamic interaction,
+by a matrix or by products on a grid.
 
-`MOBILITIES` has a row for each. Films, integrators and contacts multiply by a mobility without knowing which it is.
+`MOBILITIES` has a row for each form, so that films, integrators and contacts are the same for all of them.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ admit(pair_mobility)
 
 
 class MobilityOfEach(NamedTuple):
-    """The mobility of floats that do not move one another."""
+    """The mobility of floats without hydrodynamic interaction."""
 
     gain: Array
     """(N,) velocity per force"""
@@ -58,7 +58,7 @@ class CoupledKicks(NamedTuple):
 
 
 class GridKicks(CoupledKicks):
-    """The constants of so many floats that products with the mobility replace its matrix."""
+    """The constants of floats that are too many for a matrix, so that products with the mobility replace it."""
 
 
 def hydrodynamic_radius(parameters: Parameters, viscosity: float) -> Array:
@@ -222,7 +222,7 @@ NEIGHBORS, POINTS = 140.0, 10.0
 
 
 class MobilityOnGrid(NamedTuple):
-    """The mobility by its products."""
+    """The mobility as an operator on a grid."""
 
     grid: list[FlowGrid]
     """one grid, placed in each step"""
@@ -291,7 +291,7 @@ def pair_shares(contacts: Contacts, position: Array, radius: Array, unit: float)
 
 
 class Mobility(NamedTuple):
-    """The functions of one way to multiply by the mobility of all floats."""
+    """A row of the table of mobilities: the functions of one form."""
 
     apply: Callable[..., None]
     """apply(mobility, load, velocity): write the velocities and spins by forces and torques"""

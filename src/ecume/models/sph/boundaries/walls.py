@@ -280,7 +280,7 @@ def repelled_by_body(parameters: Parameters, state: State, body: int) -> Repelle
 
 
 def all_repelled(parameters: Parameters, state: State) -> list[Repelled]:
-    """Repelled particles by walls and obstacles, then by bodies."""
+    """Particles repelled by walls and obstacles, followed by those repelled by bodies."""
     guard, found = parameters.boundary.guard, []
     if guard.reach == 0.0:
         return []
@@ -378,7 +378,7 @@ def braked_by_wall(parameters: Parameters, state: State, owner: int) -> Repelled
 
 
 def all_braked(parameters: Parameters, state: State) -> list[Repelled]:
-    """Braked particles by walls and obstacles."""
+    """Particles braked by walls and obstacles, for each of these."""
     guard = parameters.boundary.guard
     if not len(guard.weights):
         return []
