@@ -196,7 +196,9 @@ class WholeLibrary(JITCodeLibrary):  # type: ignore[misc]  # Numba's types are s
 
 
 class PartLibrary(JITCodeLibrary):  # type: ignore[misc]
-    """A library of code that is only linked into wholes and never executed itself; it remains as it was lowered."""
+    """A library of compiled code that is linked into larger libraries and never executed itself; it is not optimized
+    before it is linked.
+    """
 
     def _optimize_functions(self, module: Any) -> None:
         module.data_layout = self._codegen._data_layout

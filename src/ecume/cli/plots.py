@@ -261,7 +261,7 @@ def _draw_all(directory: Path, folder: Path, form: str, look: dict[str, Any], *,
     for name in figures_of_run(directory):
         try:
             drawn = draw(directory, name, folder / f"{name}.{form}", Finish(**look))
-        except BadInput as error:  # no data for it
+        except BadInput as error:  # the run lacks data for this figure
             omitted[name] = str(error)
         else:
             wrote(drawn, quiet=quiet)

@@ -1,7 +1,8 @@
 """Remarks on implausible values of a scene: most are wrong units, such as 45 for 45 mN/m.
 
-A plain number is in SI units, and errors are common: its range is that of everyday matter. A number with a unit is
-usually correct: its range contains everything in nature. One table has the ranges of all models.
+Values without a unit are taken in SI units and are often wrong; their plausible range is that of everyday matter.
+Values with a unit are usually correct; their range contains everything in nature. One table has the ranges of all
+models.
 """
 
 from __future__ import annotations

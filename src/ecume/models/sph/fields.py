@@ -185,9 +185,9 @@ class Numbers(Protocol):
 
 
 class Constants(Protocol):
-    """An array of one record, `Numbers`, which loops read from memory where a formula names them.
+    """The constants `Numbers` as an array of one record. Loops read them from memory each time a formula uses them.
 
-    If they were a tuple, the compiler would know them before a loop begins, and would sum the terms in another order.
+    If they were a tuple, the compiler would treat them as constants of the loop and sum the terms in another order.
     """
 
     def __getitem__(self, place: int) -> Numbers:

@@ -388,15 +388,15 @@ def kinds_of(bodies: Bodies) -> set[tuple[float, ...]]:
     """Mass, friction, terminal speed, apparent gravity and radius of representative particles of each species."""
     columns = (bodies.mass, bodies.friction, bodies.settling, bodies.apparent_gravity, bodies.radius)
     first = np.flatnonzero(np.diff(bodies.species, prepend=-1))  # the first particle of each block of one species
-    for species in np.unique(bodies.species):  # and the smallest and largest of each species
+    for species in np.unique(bodies.species):  # also its smallest and largest particle
         own = np.flatnonzero(bodies.species == species)
         first = np.append(first, [own[np.argmin(bodies.radius[own])], own[np.argmax(bodies.radius[own])]])
     return set(zip(*(column[first].tolist() for column in columns), strict=True))
 
 
 def place_limit(scene: TracersScene, body: tuple[float, float, float, float], fluid: Fluid) -> float:
-    """The longest step where the diffusivity depends on position: settling and diffusion cross a fraction of the length
-    over which it changes, which near walls is the radius.
+    """The longest step where the diffusivity depends on position: within it, settling and diffusion move a particle by
+    a fraction of the length over which the diffusivity changes, which near walls is the radius.
     """
     friction, speed, _, radius = body
     mixing, limit = scene.flow.turbulence, math.inf

@@ -321,7 +321,7 @@ def sum_stretch(
 def sum_stretches(
     law: Any, edge: Any, place: Any, rows: Any, floats: Any, pair: Array, along: Array, across: Array
 ) -> None:
-    """Add the forces of many stretches in parallel, each into a separate window."""
+    """Add the forces on several ranges of slots in parallel, each range into a separate window."""
     for k in prange(len(edge) - 1):
         window = along[place[k] : place[k + 1]], across[place[k] : place[k + 1]]
         sum_stretch(law, (edge[k], edge[k + 1]), rows, floats, pair, window)

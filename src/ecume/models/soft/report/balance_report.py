@@ -162,7 +162,7 @@ def remedies(parameters: Parameters) -> str:
 
 
 def unborne(parameters: Parameters, state: State, rules: Rules) -> str:
-    """A message on a stress that no film carries, with remedies; empty if films wind around the cell."""
+    """A message on a stress that no film carries, with remedies; empty if films percolate through the periodic cell."""
     stress = unjoined(parameters, state, rules)
     where = "around the cell" if stress == "pressure" else "around the cell from bottom to top"
     return f"no films lead {where}, so that nothing bears any {stress}; {remedies(parameters)}" if stress else ""
