@@ -18,6 +18,7 @@ from ecume.models.floating.contacts.thermal_collisions import (
     intervals_of,
     noise_of_intervals,
 )
+from ecume.models.floating.coupled.many_floats import pair_shares
 from ecume.models.floating.forces.pair_forces import law_of, row_of, two_floats
 from ecume.scenes.load import load_scene
 from ecume.simulation import simulate
@@ -110,6 +111,22 @@ def test_dense_discs_end_their_steps_apart_and_inside(around, more):
     for frame in simulate(scene):
         assert frame.numbers["deepest_overlap"] < 1e-4 * RADIUS
         assert frame.numbers["unconverged_steps"] == 0.0
+
+
+def test_a_float_that_a_wall_repels_carries_its_neighbor_along():
+    """The first float hits the wall and comes back; the flow of this moves the second one out of its way."""
+    around = '[dish]\nradius = 5e-6\ncontact_angle = 1.5707963267948966\nlaw = "none"'
+    scene = discs_at([[3.99, 0.0], [1.975, 0.0]], around, more='interaction = "rotne-prager"\n')
+    parameters, state, contacts, _ = contacts_at(scene)
+    unit = float(parameters.kick.gain[0]) * RADIUS
+    flow = Flow(np.full(2, RADIUS), unit)
+    share = pair_shares(contacts, state.position, flow.radius, unit)
+    velocity = np.array([[0.04, 0.0], [0.0, 0.0]]) * RADIUS / parameters.time_step
+    paths = velocity, np.zeros_like(velocity)
+    assert collide_on_paths(parameters, state, contacts, paths, share, ALONE).impulse[1, 0] < 0.0
+    impulse = collide_on_paths(parameters, state, contacts, paths, share, flow).impulse
+    assert impulse[1].tolist() == [0.0, 0.0]
+    assert parameters.time_step * unit / RADIUS * impulse[0, 0] == pytest.approx(-2.0 * 0.03 * RADIUS)
 
 
 def test_a_step_has_more_intervals_the_stronger_forces_press():

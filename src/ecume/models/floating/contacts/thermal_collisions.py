@@ -16,9 +16,9 @@ step, are solved together as impulses, with the gaps of `reflected_gain` for eac
 distribution of these gaps is not that of equilibrium: for three mutually bound floats, gaps far below kT over the force
 are a quarter too frequent.
 
-Floats that interact through the liquid: a collision moves the two floats with the mobilities of the pair, and the flow
-moves all floats that could touch one of them in this step. The mean forces of all collisions then move the other
-floats; new contacts among these are solved as impulses at the end of the step.
+Floats that interact through the liquid: a collision moves the two floats with the mobilities of the pair, or the one
+at a wall, and the flow moves all floats that could touch one of them in this step. The mean forces of all collisions
+then move the other floats; new contacts among these are solved as impulses at the end of the step.
 """
 
 from __future__ import annotations
@@ -244,7 +244,8 @@ def collide_in_interval(
             event = row, when, interval
             force = reflect_pair(parameters, state, contacts, paths, event, (driven, share, meetings.impulse))
             if len(flow.radius) > 0:
-                carry(flow, state.position, contacts, paths, row, when, force, meetings.changed[2:changes])
+                others = meetings.changed[2 if contacts.second[row] < count else 1 : changes]
+                carry(flow, state.position, contacts, paths, row, when, force, others)
         for spot in range(changes):
             for place in range(meetings.first[meetings.changed[spot]], meetings.first[meetings.changed[spot] + 1]):
                 other = meetings.rows[place]
@@ -280,10 +281,8 @@ def bodies_around(
     changed[0], last[i], total = i, meetings, 1
     if j < count:
         changed[1], last[j], total = j, meetings, 2
-    if not further or j >= count:
-        return total
     for one in (i, j):
-        for place in range(first[one], first[one + 1]):
+        for place in range(first[one], first[one + 1]) if further and one < count else range(0):
             for other in (contacts.first[rows[place]], contacts.second[rows[place]]):
                 if other < count and last[other] != meetings:
                     changed[total], last[other] = other, meetings
@@ -303,11 +302,13 @@ def carry(
     others: Integers,
 ) -> None:
     """Change the velocities of other floats by the flow that the force of a collision causes; the force acts on the
-    second float, and with opposite sign on the first.
+    second body, and with opposite sign on the first. A force on a wall moves no liquid.
     """
     for k in others:
         advance_path(paths, k, when)
         for one, sign in ((contacts.first[row], -1.0), (contacts.second[row], 1.0)):
+            if one >= len(flow.radius):
+                continue
             x, y = position[k, 0] - position[one, 0], position[k, 1] - position[one, 1]
             distance = math.sqrt(x * x + y * y)
             across, along = rotne_prager(distance, flow.radius[one], flow.radius[k])
