@@ -290,11 +290,12 @@ def _energy(parameters: Parameters) -> Invariant:
     thermal noise changes it by kT per float. A law that is not reciprocal has no energy.
 
     In a raft at rest, contacts correct overlaps of 1e-10 radii. The work of these corrections is proportional to the
-    energy of the raft.
+    energy of the raft. Energies whose terms cancel rise and fall by rounding.
     """
-    heat = len(parameters.floats.mass) * parameters.drift.thermal
+    rounding = sum(row.rounding(part, parameters) for part, row in interactions_of(parameters))
+    least = len(parameters.floats.mass) * parameters.drift.thermal + 2.0 * rounding / RISE
     motion = ("kinetic_energy",) if parameters.scheme.inertia else ()
-    energy = energy_never_rises(RISE, lambda seen: heat + RESOLVED * _deepest(seen), motion)
+    energy = energy_never_rises(RISE, lambda seen: least + RESOLVED * _deepest(seen), motion)
     if not is_driven(parameters):
         return energy
     # Runs of former versions have no injected work.

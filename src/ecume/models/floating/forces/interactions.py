@@ -116,7 +116,13 @@ from ecume.models.floating.forces.waves import (
 )
 from ecume.models.floating.options import Built, Option
 from ecume.models.floating.parameters import Parameters, Parts, Scratch, State, Workspace, clear
-from ecume.models.floating.shaped.bodies import Shaped, make_shaped_scratch, shaped_energies, shaped_forces
+from ecume.models.floating.shaped.bodies import (
+    Shaped,
+    make_shaped_scratch,
+    rounding_of_energies,
+    shaped_energies,
+    shaped_forces,
+)
 from ecume.models.floating.shaped.constants import shapes_of
 from ecume.models.invariants import Invariant
 from ecume.units import Array
@@ -145,6 +151,8 @@ class Interaction(Option):
     """energy(part, scratch, parameters, state, workspace): among floats and at walls (J); forces are minus its
     gradient
     """
+    rounding: Callable[[Any, Parameters], float] = lambda part, parameters: 0.0
+    """rounding(part, parameters): the largest error (J) by which an energy whose terms cancel is rounded"""
     adds_to_pairs: bool = False
     """whether a method's forces are added to those of the pair law; if not, they replace them"""
     compiled: bool = True
@@ -196,7 +204,8 @@ INTERACTIONS = {
     ),
     "shapes": Interaction(
         path="particles", name="a float with a shape", constants=Shaped, make=shapes_of, add_forces=shaped_forces,
-        energy=shaped_energies, scratch=make_shaped_scratch, inertia=lambda part: np.asarray(part.inertia),
+        energy=shaped_energies, rounding=rounding_of_energies, scratch=make_shaped_scratch,
+        inertia=lambda part: np.asarray(part.inertia),
         laws=(contact_lines.ellipsoid_undulation, contact_lines.spread_charges, contact_lines.quadrupole_energy),
         needs={
             "turns bodies": "its drag differs along and across, and kicks must turn it",

@@ -257,6 +257,23 @@ def shaped_energies(
     return pairs, at_walls
 
 
+ROUNDED = 8.0
+"""The largest rounding error of a sum, over that of its terms (r.m.s.) by one unit in the last place."""
+
+
+def rounding_of_energies(shaped: Shaped, parameters: Parameters) -> float:
+    """A bound (J) of the rounding error of `shaped_energies`, a sum of terms that are rounded independently. The
+    charges of a contact line cancel: far apart, energies of quadrupoles are smaller than those of their charges by the
+    fourth power of their size over the distance.
+    """
+    unit, length, cutoff = (float(parameters.pair[key]) for key in (STRENGTH, CAPILLARY_LENGTH, CUTOFF))
+    nearest = min(2.0 * float(parameters.floats.radius.min()), cutoff)
+    of_body = np.add.reduceat(shaped.charge**2, shaped.first[:-1])
+    pairs = math.sqrt(0.5 * (float(of_body.sum()) ** 2 - float(np.sum(of_body**2))))
+    among = abs(unit) * pairs * (1.0 - pair_energy(nearest, 1.0, length))
+    return ROUNDED * float(np.finfo(np.float64).eps) * math.hypot(among, float(np.linalg.norm(shaped.wall_strength)))
+
+
 FARTHEST_TURN = 0.5
 """rad in one step: beyond it, the predicted contacts are wrong."""
 
