@@ -133,7 +133,8 @@ def test_a_float_takes_on_the_velocity_of_the_surface(flow, velocity, integrator
 
 def test_a_table_of_a_linear_flow_is_that_flow_and_ends_as_at_its_edge():
     places = "[[0.4e-3, -0.3e-3], [0.1e-3, 0.7e-3], [5e-3, 0.2e-3]]"
-    body = f'[[particles]]\n{SMALL}positions = {places}\n[integration]\nintegrator = "overdamped"\n{ALONE}'
+    motion = '[integration]\nintegrator = "overdamped"\ntime_step = 1e-3\n'
+    body = f"[[particles]]\n{SMALL}positions = {places}\n{motion}{ALONE}"
     x, y = (-1e-3, 0.0, 1e-3), (-1e-3, -0.5e-3, 0.0, 0.5e-3, 1e-3)
     vx, vy = [[-0.3 * b for b in y] for a in x], [[0.3 * a for b in y] for a in x]
     table = f"nodes = {{ low = [-1e-3, -1e-3], high = [1e-3, 1e-3], vx = {vx}, vy = {vy} }}"
@@ -145,7 +146,7 @@ def test_a_table_of_a_linear_flow_is_that_flow_and_ends_as_at_its_edge():
         FLOATING.advance(parameters, state, FLOATING.workspace(parameters, state, 1.0), 1)
         found.append(state.velocity.copy())
     assert found[1][:2] == pytest.approx(found[0][:2], rel=1e-12)
-    assert found[1][2] == pytest.approx([-0.3 * 0.2e-3, 0.3 * 1e-3], rel=1e-12)
+    assert found[1][2] == pytest.approx([-0.3 * (0.2e-3 + 0.5e-3 * 0.3e-3), 0.3 * 1e-3], rel=1e-12)
 
 
 @pytest.mark.uncompiled  # multipoles and flows are compiled by others
@@ -157,12 +158,26 @@ def test_floats_on_one_surface_are_carried_as_well():
     assert last.arrays["velocity"] == pytest.approx(np.array([[1e-3, 2e-3]] * 2), rel=1e-3)
 
 
-def test_a_rotating_surface_turns_a_float_around():
-    body = f"[[particles]]\n{SMALL}positions = [[1e-3, 0.0]]\n"
-    body += '[integration]\nintegrator = "overdamped"\ntime_step = 0.002\n'
-    scene = scene_of(f"{WATER}[flow]\nrotation_rate = 1.0\n{body}", duration=1.0, frame_every=1.0)
-    x, y = list(simulate(scene))[-1].arrays["position"][0]
-    assert (x, y) == pytest.approx((1e-3 * math.cos(1.0), 1e-3 * math.sin(1.0)), rel=0.02)
+@pytest.mark.parametrize(
+    ("motion", "kind"),
+    [("overdamped", "rotation"), ("overdamped", "table"), ("coupled", "rotation"), ("inertia", "rotation")],
+)
+def test_a_rotating_surface_turns_floats_around_at_the_same_distance(motion, kind):
+    """In 500 steps of 1/500 rad: with the current at the beginning of each step, distances would grow by 0.1 %."""
+    x = (-2.1e-3, 2.1e-3)
+    table = f"nodes = {{ low = [{x[0]}, {x[0]}], high = [{x[1]}, {x[1]}], vx = {[[-y for y in x]] * 2}, "
+    table += f"vy = {[[place] * 2 for place in x]} }}"
+    flow = "rotation_rate = 1.0" if kind == "rotation" else table
+    integrator = "" if motion == "inertia" else 'integrator = "overdamped"\n'
+    body = f"[[particles]]\n{SMALL}positions = [[1e-3, 0.0], [-2e-3, 0.0]]\nvelocity = [0.0, 1e-3]\n{ALONE}"
+    body += f"[integration]\n{integrator}time_step = 0.002\n"
+    body += '[hydrodynamics]\ninteraction = "rotne-prager"\n' * (motion == "coupled")
+    parameters, state, workspace = begun(scene_of(f"{WATER}[flow]\n{flow}\n{body}", duration=6.0, frame_every=6.0))
+    assert FLOATING.advance(parameters, state, workspace, 500) == 0
+    # The midpoint rule adds an eighth of the fourth power of an angle in each step.
+    distance = np.hypot(*state.position.T) / [1e-3, 2e-3]
+    assert distance == pytest.approx([1.0, 1.0], abs=500 * 0.002**4 / 4.0 + 2e-4 * (motion == "inertia"))
+    assert math.atan2(*state.position[0, ::-1]) == pytest.approx(1.0, abs=500 * 0.002**3 / 5.0)
 
 
 # The step that is advised is for floats at the wall, where the meniscus is steep; these stay in the middle.
@@ -174,7 +189,7 @@ def test_warm_floats_spread_in_a_well_as_boltzmann_says():
     floats = f'[[particles]]\ncount = 100\n{SMALL}placement = "lattice"\nspacing = 5e-5\n'
     dish = '[dish]\nradius = 0.003\ncontact_angle = "10 deg"\n'
     apart = f'{ALONE}[contacts]\nlaw = "none"\n'
-    motion = '[integration]\nintegrator = "overdamped"\ntime_step = 0.02\n[hydrodynamics]\nbrownian = true\n'
+    motion = '[integration]\nintegrator = "overdamped"\ntime_step = 0.002\n[hydrodynamics]\nbrownian = true\n'
     scene = scene_of(WATER + "temperature = 300.0\n" + floats + dish + apart + motion, duration=80.0, frame_every=1.0)
     parameters = FLOATING.parameters(scene)
     from scipy.special import i1

@@ -173,15 +173,18 @@ def test_films_leave_the_speed_of_rigid_rafts_and_add_no_force():
 
 
 @pytest.mark.parametrize("flow", ["velocity = [2e-3, -1e-3]", "rotation_rate = 0.4"])
-def test_a_current_adds_to_the_velocities(flow):
+def test_the_current_at_the_middle_of_a_step_adds_to_the_velocities(flow):
     places = [(0.0, 0.0), (2.2 * RADIUS, 0.0), (0.0, 2.5 * RADIUS)]
     found = []
     for around in ("", f"[flow]\n{flow}\n"):
         parameters, state, workspace = begun(beads(places, around=around))
         assert FLOATING.advance(parameters, state, workspace, 1) == 0
         found.append(state.velocity.copy())
-    x, y = np.array(places).T
-    current = np.stack([-0.4 * y, 0.4 * x], axis=1) if "rotation" in flow else np.tile([2e-3, -1e-3], (3, 1))
+    current = np.tile([2e-3, -1e-3], (3, 1))
+    if "rotation" in flow:
+        turn = np.array([[0.0, 0.4], [-0.4, 0.0]])
+        ahead = 0.5 * parameters.time_step * (found[0] + np.array(places) @ turn)
+        current = (np.array(places) + ahead) @ turn
     assert found[1] - found[0] == pytest.approx(current, rel=1e-9, abs=1e-12)
 
 

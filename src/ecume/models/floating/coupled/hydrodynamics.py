@@ -107,7 +107,7 @@ def fastest_coupled(
         return math.nan
     load_forces(workspace.force, scratch.load)
     apply(scratch.mobility, scratch.load, scratch.motion)
-    fill_current(parameters, state, scratch.current)
+    fill_current(parameters, state, scratch.motion, scratch.current)
     if part.thermal > 0.0:
         store_driven(scratch.motion, scratch.current, workspace)
         add_drift(scratch.mobility, part, state.position, scratch.motion)
@@ -144,16 +144,19 @@ def fastest_motion(motion: Array, current: Array) -> float:
 
 
 @compiled
-def fill_current(parameters: Parameters, state: State, current: Array) -> None:
-    """Compute the velocity of the liquid at each float: the flow of the scene, and in a moving dish the velocity of the
-    liquid relative to the dish.
+def fill_current(parameters: Parameters, state: State, motion: Array, current: Array) -> None:
+    """Compute the velocity of the liquid at each float: the flow of the scene at the middle of the step, at the place
+    to which the float moves until then without noise (`motion` without the current), and in a moving dish the velocity
+    of the liquid relative to the dish.
     """
-    drift = parameters.drift
+    drift, half = parameters.drift, 0.5 * parameters.time_step
     now = state.step[0] * parameters.time_step
     for i in range(len(current)):
         x, y = 0.0, 0.0
         if drift.flows:
             x, y = current_at(drift, now, state.position[i, 0], state.position[i, 1])
+            ahead_x, ahead_y = half * (motion[2 * i] + x), half * (motion[2 * i + 1] + y)
+            x, y = current_at(drift, now + half, state.position[i, 0] + ahead_x, state.position[i, 1] + ahead_y)
         current[i, 0], current[i, 1] = x, y
     if drift.sway.moves:
         time = (state.step[0] + 0.5) * parameters.time_step
@@ -224,7 +227,10 @@ def add_coupled_work(
 ) -> None:
     """Add the work of the current in one step. With thermal noise, the heat already contains this work."""
     if not parameters.drift.thermal > 0.0 and len(state.tally) > WORK:
-        state.tally[WORK] += parameters.time_step * power_on_floats(scratch.load, scratch.current)
+        power = power_on_floats(scratch.load, scratch.current)
+        if parameters.drift.flows:
+            power += power_at_beginning(parameters, state, scratch.current, workspace.force)
+        state.tally[WORK] += parameters.time_step * power
 
 
 @compiled
@@ -235,6 +241,18 @@ def power_on_floats(load: Array, current: Array) -> float:
     power = 0.0
     for i in range(len(current)):
         power -= load[2 * i] * current[i, 0] + load[2 * i + 1] * current[i, 1]
+    return power
+
+
+@compiled
+def power_at_beginning(parameters: Parameters, state: State, current: Array, force: Array) -> float:
+    """The power (W) to add where the forces of the beginning of the step go with the current of the beginning, instead
+    of the `current` of the middle. Contacts and films act during the step.
+    """
+    power, now, position = 0.0, state.step[0] * parameters.time_step, state.position
+    for i in range(len(current)):
+        x, y = current_at(parameters.drift, now, position[i, 0], position[i, 1])
+        power += force[i, 0] * (current[i, 0] - x) + force[i, 1] * (current[i, 1] - y)
     return power
 
 

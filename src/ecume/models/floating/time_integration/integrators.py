@@ -239,16 +239,45 @@ def predict_kicked(
         kick_floats(part, parameters, state, workspace.force, 0.5)
     else:
         kick_floats(part, parameters, state, workspace.force, 0.0 if parameters.scheme.half_kicks else 0.5)
+        copy_rows(workspace.midstep_velocity, state.velocity)
         disturb(part, parameters, state, workspace)
+
+
+@compiled
+def add_flow_and_noise(part: Any, parameters: Parameters, state: State, workspace: Workspace) -> None:
+    """Add the change of the current until the middle of the step and Brownian displacements to the midstep velocities;
+    without inertia these are the velocities. Store the velocities without noise.
+    """
+    if parameters.drift.flows:
+        turn_with_current(parameters, state, workspace.midstep_velocity)
+        if not parameters.scheme.inertia:
+            copy_rows(state.velocity, workspace.midstep_velocity[: len(state.velocity)])
+    if parameters.drift.thermal > 0.0:
+        copy_rows(workspace.stages[DRIVEN], state.velocity)
+        add_noise(parameters, state.velocity, int(state.step[0]))
         copy_rows(workspace.midstep_velocity, state.velocity)
 
 
 @compiled
-def add_thermal_motion(part: Any, parameters: Parameters, state: State, workspace: Workspace) -> None:
-    """Add Brownian displacements to the velocities, and store the velocities without them."""
-    if parameters.drift.thermal > 0.0:
-        copy_rows(workspace.stages[DRIVEN], state.velocity)
-        add_noise(parameters, state.velocity, int(state.step[0]))
+def turn_with_current(parameters: Parameters, state: State, midstep_velocity: Array) -> None:
+    """Add the change of the current from the place of each float to that where it is at the middle of the step, as far
+    as drag transmits it in a kick: Runge's midpoint rule [runge1895], of second order for floats that go with
+    the current. The kick itself used the current at the beginning; in velocity Verlet the errors of its two halves
+    cancel, so that the velocities at the ends of a step need no change.
+    """
+    drift, position, half = parameters.drift, state.position, 0.5 * parameters.time_step
+    flow, now, tabled = drift.flow, state.step[0] * parameters.time_step, drift.nodes.shape[1] > 0
+    if not (tabled or flow[2] != 0.0 or flow[3] != 0.0 or flow[4] != 0.0 or flow[5] != 0.0):
+        return
+    for i in range(len(position)):
+        carried, x, y = 1.0 - parameters.kick.decay[i], position[i, 0], position[i, 1]
+        ahead_x, ahead_y = x + half * midstep_velocity[i, 0], y + half * midstep_velocity[i, 1]
+        along, across = current_at(drift, now, x, y) if tabled else straight_current(flow, x, y)
+        last_x, last_y = (
+            current_at(drift, now + half, ahead_x, ahead_y) if tabled else straight_current(flow, ahead_x, ahead_y)
+        )
+        midstep_velocity[i, 0] += carried * (last_x - along)
+        midstep_velocity[i, 1] += carried * (last_y - across)
 
 
 @composed
@@ -370,7 +399,9 @@ class Integrator(Option):
     add_heat: Callable[..., None] | None = add_heat_of_noise
     """add_heat(part, scratch, parameters, state, workspace): the heat of half a step with noise"""
     disturb: Callable[..., None] | None = None
-    """disturb(part, parameters, state, workspace): add thermal noise to the velocities after a kick"""
+    """disturb(part, parameters, state, workspace): add what the current of the middle of the step and thermal noise
+    change to the midstep velocities after a kick
+    """
     move_dish: Callable[..., None] | None = None
     """move_dish(part, parameters, state, ahead): change velocities by the motion of the dish"""
     scratch: Callable[[Any, tuple[Any, ...]], Any] = lambda part, interactions: ()
@@ -440,7 +471,7 @@ INTEGRATORS = {
 SCHEMES = tuple(INTEGRATORS)
 DRIVEN_KICKS = replace(
     INTEGRATORS["velocity-verlet"], slot="driven integrator", constants=DrivenKicks, add_work=add_work_of_kicks,
-    add_heat=add_heat_of_noise, disturb=add_thermal_motion, move_dish=add_dish_motion,
+    add_heat=add_heat_of_noise, disturb=add_flow_and_noise, move_dish=add_dish_motion,
 )  # fmt: skip
 """Replaces the functions of schemes with kicks for floats on which something does work: most floats are at rest, and
 need not compile them.
