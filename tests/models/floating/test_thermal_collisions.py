@@ -8,6 +8,7 @@ from scipy.stats import norm
 
 from ecume.engine.contact import contacts as touching
 from ecume.laws.brownian_motion import reflected_gap
+from ecume.laws.pair_mobility import rotne_prager
 from ecume.models import MODELS
 from ecume.models.floating.contacts.collisions import contact_bodies, free_shares, require_gaps
 from ecume.models.floating.contacts.thermal_collisions import (
@@ -18,7 +19,6 @@ from ecume.models.floating.contacts.thermal_collisions import (
     intervals_of,
     noise_of_intervals,
 )
-from ecume.models.floating.coupled.many_floats import pair_shares
 from ecume.models.floating.forces.pair_forces import law_of, row_of, two_floats
 from ecume.scenes.load import load_scene
 from ecume.simulation import simulate
@@ -120,7 +120,10 @@ def test_a_float_that_a_wall_repels_carries_its_neighbor_along():
     parameters, state, contacts, _ = contacts_at(scene)
     unit = float(parameters.kick.gain[0]) * RADIUS
     flow = Flow(np.full(2, RADIUS), unit)
-    share = pair_shares(contacts, state.position, flow.radius, unit)
+    along = unit * rotne_prager(2.015 * RADIUS, RADIUS, RADIUS)[1]
+    share = np.tile([unit / RADIUS, 0.0], (contacts.total[0], 1))
+    share[0] = unit / RADIUS - along
+    assert contacts.second[0] == 1
     velocity = np.array([[0.04, 0.0], [0.0, 0.0]]) * RADIUS / parameters.time_step
     paths = velocity, np.zeros_like(velocity)
     assert collide_on_paths(parameters, state, contacts, paths, share, ALONE).impulse[1, 0] < 0.0
