@@ -8,7 +8,7 @@ from scipy.stats import norm
 
 from ecume.engine.contact import contacts as touching
 from ecume.laws.brownian_motion import reflected_gap
-from ecume.laws.pair_mobility import rotne_prager
+from ecume.laws.pair_mobility import rotne_prager, surface_mobility
 from ecume.models import MODELS
 from ecume.models.floating.contacts.collisions import contact_bodies, free_shares, require_gaps
 from ecume.models.floating.contacts.thermal_collisions import (
@@ -111,6 +111,38 @@ def test_dense_discs_end_their_steps_apart_and_inside(around, more):
     for frame in simulate(scene):
         assert frame.numbers["deepest_overlap"] < 1e-4 * RADIUS
         assert frame.numbers["unconverged_steps"] == 0.0
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_collisions_that_move_all_floats_by_the_flow_leave_no_overlap(seed):
+    """Also beside walls, and far from a collision: if it moves near floats only, others end 5 % of R inside a wall."""
+    dice = np.random.default_rng(seed)
+    spots = np.array([[x, y] for x in range(4) for y in range(3)]) * 2.04 + 0.03 * dice.random((12, 2))
+    around = '[dish]\nsize = [8.3e-6, 6.3e-6]\ncontact_angle = 1.5707963267948966\nlaw = "none"'
+    spots -= 0.5 * (spots.max(axis=0) + spots.min(axis=0))
+    scene = discs_at(spots, around, more='interaction = "rotne-prager"\n')
+    parameters, state, contacts, _ = contacts_at(scene)
+    mobility = surface_mobility(state.position, np.full(12, RADIUS), 1e-3)
+    directions = np.zeros((contacts.total[0], 12, 2))
+    for row, direction in enumerate(directions):
+        direction[contacts.first[row]] = -contacts.normal[row]
+        if contacts.second[row] < 12:
+            direction[contacts.second[row]] = contacts.normal[row]
+    moved = (directions.reshape(-1, 24) @ mobility).reshape(-1, 12, 2)
+    share = np.zeros((contacts.total[0], 2))
+    for row in range(len(share)):
+        for place, body in enumerate((contacts.first[row], contacts.second[row])):
+            share[row, place] = abs(moved[row, body] @ contacts.normal[row]) if body < 12 else 0.0
+    velocity = 0.05 * RADIUS / parameters.time_step * dice.normal(size=(12, 2))
+    flow = Flow(np.full(12, RADIUS), 1.0 / (3.0 * math.pi * 1e-3))
+    found = collide_on_paths(parameters, state, contacts, (velocity, 0.0 * velocity), share, flow)
+    impulse = found.impulse
+    assert not found.lasting.any(), found.lasting
+    after = state.position + parameters.time_step * (velocity + (mobility @ impulse.ravel()).reshape(12, 2))
+    apart = after[:, None] - after[None]
+    gap = np.hypot(apart[..., 0], apart[..., 1])[np.triu_indices(12, 1)] - 2.0 * RADIUS
+    inside = 0.5 * np.array([8.3e-6, 6.3e-6]) - np.abs(after) - RADIUS
+    assert min(gap.min(), inside.min()) > -2e-3 * RADIUS
 
 
 def test_a_float_that_a_wall_repels_carries_its_neighbor_along():

@@ -17,8 +17,10 @@ distribution of these gaps is not that of equilibrium: for three mutually bound 
 are a quarter too frequent.
 
 Floats that interact through the liquid: a collision moves the two floats with the mobilities of the pair, or the one
-at a wall, and the flow moves all floats that could touch one of them in this step. The mean forces of all collisions
-then move the other floats; new contacts among these are solved as impulses at the end of the step.
+at a wall, and the flow moves all others that could touch something in this step, before they collide. Only then are
+collisions elastic for all floats together, with the mobility matrix in place of masses. Of more than `MOST_CARRIED`
+floats, the flow moves at once only those that could touch the colliding ones. The mean forces of all collisions then
+move the other floats; new contacts among these are solved as impulses at the end of the step.
 """
 
 from __future__ import annotations
@@ -45,6 +47,11 @@ admit(brownian_motion, pair_mobility)
 
 MOST_HITS = 12
 """Collisions of a float in one step; with more it is in lasting contact."""
+
+MOST_CARRIED = 1000
+"""The largest number of floats of which each collision moves all, by the flow of its force, before others collide. Of
+more floats it moves at once those that could touch its own.
+"""
 
 LASTING = 1.0
 """Approach by forces in one interval, over the standard deviation of that by noise, above which a contact lasts."""
@@ -236,7 +243,12 @@ def collide_in_interval(
         row = queue.heap[0]
         when = queue.time[row]
         meetings.met[row], number = 1, number + 1
-        changes = bodies_around(contacts, around, row, (meetings.changed, meetings.last), number, len(flow.radius) > 0)
+        moved = meetings.changed, meetings.last
+        changes = bodies_of(contacts, row, moved, number)
+        if 0 < len(flow.radius) <= MOST_CARRIED:
+            changes = add_all_bodies(around, moved, number, changes)
+        elif len(flow.radius) > 0:
+            changes = add_bodies_around(contacts, around, row, moved, number, changes)
         if lasts(parameters, contacts, paths, row, given, interval.length):
             for place in range(2 if contacts.second[row] < count else 1):
                 paths.lasting[meetings.changed[place]] = 1
@@ -264,29 +276,48 @@ def crosses(contacts: Contacts, paths: Paths, row: int, interval: Interval) -> b
 
 
 @compiled
-def bodies_around(
+def bodies_of(contacts: Contacts, row: int, found: tuple[Integers, Integers], meetings: int) -> int:
+    """List the two floats of a contact, or the one at a wall. Returns their number. `found` contains the list, and for
+    each float the last collision that listed it.
+    """
+    (changed, last), i, j = found, contacts.first[row], contacts.second[row]
+    changed[0], last[i] = i, meetings
+    if j >= len(changed):
+        return 1
+    changed[1], last[j] = j, meetings
+    return 2
+
+
+@compiled
+def add_bodies_around(
     contacts: Contacts,
     around: tuple[Integers, Integers],
     row: int,
     found: tuple[Integers, Integers],
     meetings: int,
-    further: bool,
+    total: int,
 ) -> int:
-    """List the floats that a collision moves: the two of the contact, or the one at a wall, and, if `further`, all
-    floats that have a contact with them. Returns their number. `found` contains the list, and for each float the last
-    collision that listed it.
-    """
+    """Add all floats that have a contact with those of this one to the list of `bodies_of`. Returns their number."""
     (changed, last), (first, rows), count = found, around, len(found[0])
-    i, j = contacts.first[row], contacts.second[row]
-    changed[0], last[i], total = i, meetings, 1
-    if j < count:
-        changed[1], last[j], total = j, meetings, 2
-    for one in (i, j):
-        for place in range(first[one], first[one + 1]) if further and one < count else range(0):
+    for one in (contacts.first[row], contacts.second[row]):
+        for place in range(first[one], first[one + 1]) if one < count else range(0):
             for other in (contacts.first[rows[place]], contacts.second[rows[place]]):
                 if other < count and last[other] != meetings:
                     changed[total], last[other] = other, meetings
                     total += 1
+    return total
+
+
+@compiled
+def add_all_bodies(
+    around: tuple[Integers, Integers], found: tuple[Integers, Integers], meetings: int, total: int
+) -> int:
+    """Add all floats that have a contact to the list of `bodies_of`. Returns their number."""
+    (changed, last), first = found, around[0]
+    for other in range(len(changed)):
+        if last[other] != meetings and first[other + 1] > first[other]:
+            changed[total], last[other] = other, meetings
+            total += 1
     return total
 
 
