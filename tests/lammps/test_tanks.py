@@ -226,7 +226,7 @@ high = [0.5, 0.4, 0.5]
 top = { kind = "open" }
 [[fluid]]
 low = [0.0, 0.0, 0.0]
-high = [0.15, 0.15, 0.15]
+high = [0.125, 0.125, 0.125]
 [liquid]
 maximum_speed = "2.5 m/s"
 """)
@@ -237,4 +237,4 @@ maximum_speed = "2.5 m/s"
         first, last = frames[0].arrays["position"], frames[-1].arrays["position"]
     front = ours.arrays["position"].max(axis=0)
     assert front[0] - first[:, 0].max() > 0.05
-    assert np.abs(last.max(axis=0) - front).max() < 0.02 * 0.15
+    assert np.abs(last.max(axis=0) - front).max() < 0.02 * 0.125
