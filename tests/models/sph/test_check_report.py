@@ -150,6 +150,14 @@ def test_a_uniform_inflow_between_no_slip_walls_is_reported():
     assert "inflow left" not in said(channel(2.0, 1.0, 1.0, 1.0, slip="free"))
 
 
+def test_a_region_that_earlier_ones_cover_is_reported():
+    """A drop of oil that is listed after the water around it has no particles."""
+    around, drop = {"low": [0.0, 0.0], "high": [1.0, 1.0]}, {"center": [0.5, 0.5], "radius": 0.3, "liquid": "second"}
+    plain = to_plain(tank()) | {"second_liquid": {"density": 800.0}}
+    assert "first listed" in said(from_plain({**plain, "fluid": [around, drop]}))["fluid[1]"][1]
+    assert "fluid[1]" not in said(from_plain({**plain, "fluid": [drop, around]}))
+
+
 @pytest.mark.parametrize(("walls", "says"), [("mirror", "walls are mirrors"), ("reflect", "walls only reflect")])
 def test_what_holds_the_liquid_is_reported(walls, says):
     assert said(tank(walls=walls))["particles"][1] == says

@@ -295,6 +295,7 @@ def advice(scene: SphScene, parameters: Parameters, position: Array, bytes_each:
         *_liquid(scene, parameters),
         *_tension(scene, parameters),
         *uniform_inflows(scene),
+        *covered_regions(scene),
         *regime_rows(scene, parameters),
         *first_impact(scene),
         *_cost(scene, parameters, count, bytes_each),
@@ -636,6 +637,14 @@ def uniform_inflows(scene: SphScene) -> list[Row]:
         for number, side in enumerate(sides_of(scene))
         if side.kind == "inflow" and side.profile == "uniform" and math.isfinite(narrowest_channel(scene, number // 2))
     ]
+
+
+def covered_regions(scene: SphScene) -> list[Row]:
+    """The rows on regions of liquid that have no particles, since earlier ones or solids cover them."""
+    remark = "covered by earlier regions or by solids: of regions that overlap the first listed counts"
+    alone = len(scene.fluid) == 1
+    cells = [] if alone else cells_of(scene)
+    return [(f"fluid[{n}]", "no particles", remark) for n, (own, _) in enumerate(cells) if not len(own.centers)]
 
 
 def _cost(scene: SphScene, parameters: Parameters, count: int, bytes_each: float) -> list[Row]:
