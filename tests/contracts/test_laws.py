@@ -48,6 +48,7 @@ from ecume.laws import (
     viscous,
     wall_forces,
     water_waves,
+    wave_makers,
 )
 from ecume.laws.surfaces import Body
 from ecume.units import Unit
@@ -86,8 +87,8 @@ RESCALED = (
     carrier_flows, density_diffusion, brownian_motion, capillarity, friction, drag, meniscus, flotation.bodies,
     flotation.balance, flotation.equilibria, flotation.nonspherical, flotation.young_laplace, states, viscous, tension,
     time_step_limits, drops, flows, hydrostatics, long_range, moving_dish, soft_contacts, soft_pair, contact_lines,
-    surfaces, interfaces, wall_forces, water_waves, dam_breaks, liquids, soft_oracles, swirls, unsteady_forces,
-    permeability,
+    surfaces, interfaces, wall_forces, water_waves, wave_makers, dam_breaks, liquids, soft_oracles, swirls,
+    unsteady_forces, permeability,
 )  # fmt: skip
 LIQUID = flotation.Liquid(density=3.0, surface_tension=0.7, viscosity=0.2, gravity=1.9, gas_density=0.4)
 SAMPLES = {
@@ -146,6 +147,7 @@ SAMPLES = {
     "shear_squared": 9e-4,
     "low": -0.2, "high": 0.5, "filled": 0.2, "solid_fraction": 0.6, "diameter": 0.4, "permeability": 1e-3, "room": 0.7,
     "place": (0.3, 0.2, 0.1), "stream": (0.4, 0.3, -0.2), "displaced": 0.3,
+    "angular_frequency": 1.3, "frequency": 0.4, "peak": 0.35, "phase": 0.6,
     "dim": 2, "swing": 0.2, "decay": 0.3, "damping": 0.4, "amplitude": 0.2, "velocity": 0.4, "slip": 0.7,
 }  # fmt: skip
 SAMPLES_OF_TYPES = {Body: Body(1.1, 0.25, 5.0)}
