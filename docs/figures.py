@@ -13,6 +13,7 @@ from typing import Any
 
 import numpy as np
 from figures_choices import FIGURES as CHOICE_FIGURES
+from figures_contact_lines import FIGURES as CONTACT_LINE_FIGURES
 from figures_crowds import FIGURES as CROWD_FIGURES
 from figures_fits import FIGURES as FIT_FIGURES
 from figures_floating import FIGURES as FLOATING_FIGURES
@@ -276,6 +277,7 @@ FIGURES: dict[str, Callable[[], Figure]] = {
     "integrators": integrators,
     "cereal-bowl": cereal_bowl,
     **CHOICE_FIGURES,
+    **CONTACT_LINE_FIGURES,
     **TWO_LIQUID_FIGURES,
     **FLOATING_FIGURES,
     **FIT_FIGURES,
