@@ -86,7 +86,7 @@ def jonswap(frequency: Rate, peak: Rate, height: Length, enhancement: Number = 3
     ratio, gamma = frequency / peak, enhancement
     width = 0.07 if ratio <= 1.0 else 0.09
     scale = 0.0624 / (0.230 + 0.0336 * gamma - 0.185 / (1.9 + gamma))
-    peaked = gamma ** math.exp(-0.5 * ((ratio - 1.0) / width) ** 2)
+    peaked = math.pow(gamma, math.exp(-0.5 * ((ratio - 1.0) / width) ** 2))
     return scale * height**2 / peak * ratio**-5 * math.exp(-1.25 * ratio**-4) * peaked
 
 
