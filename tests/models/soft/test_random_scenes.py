@@ -31,7 +31,7 @@ def test_a_film_that_opens_costs_no_work_that_nothing_does(seed):
 def test_the_order_of_spheres_does_not_decide_when_films_open(tolerance):
     """In a loose packing under a pressure: stresses of both orders differed by 1e-3, since steps were too long for the
     forces of films that had just opened, and by a seventh where the rounding of a budget chose the lengths of steps.
-    Rounding still grows to 1e-5 during the run.
+    Rounding still grows to 2e-6 during the run.
     """
     dice = np.random.default_rng(250)
     plain = explicit(from_plain(draw(dice)))
@@ -39,7 +39,7 @@ def test_the_order_of_spheres_does_not_decide_when_films_open(tolerance):
     scene, same = (
         from_plain({**each, "integration": {**each["integration"], "tolerance": tolerance}}) for each in (plain, other)
     )
-    assert unlike(scene, run(scene)[0], run(same)[0], order=order) < 1e-4
+    assert unlike(scene, run(scene)[0], run(same)[0], order=order) < 1e-5
 
 
 @pytest.mark.parametrize("seed", [97, 109])

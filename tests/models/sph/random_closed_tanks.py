@@ -216,6 +216,16 @@ def at_this_step(run: Integration) -> np.ndarray:
     return np.array([sum(value for name, value in numbers.items() if name.endswith(f"_force_{axis}")) for axis in "xy"])
 
 
+def solved_exactly(scene: Any) -> Any:
+    """An incompressible scene whose pressure is solved to rounding: by default rounding decides about an iteration, and
+    both solutions differ by the tolerance, from which splashes grow.
+    """
+    if scene.method.pressure != "incompressible":
+        return scene
+    exact = replace(scene.integration, pressure_tolerance=1e-9, pressure_iterations=5000)
+    return replace(scene, integration=exact)
+
+
 def mirrored(scene: Any) -> Any:
     """The scene with left and right exchanged."""
     width = scene.tank.high[0]
@@ -305,7 +315,7 @@ KINDS = {"still": still, "collapsing": collapsing, "filled": filled, "opened": o
 CLOSED = ("still", "collapsing", "filled")
 BOUNDS = {
     "gain": 2e-3, "rise": 2e-3, "lost": 0.5, "speed": 0.03, "load": 0.01, "wall": 0.01, "weight": 0.01,
-    "momentum": 0.03, "mirror": 1e-6,
+    "momentum": 0.03, "mirror": 1e-5,
 }  # fmt: skip
 """What a scene may miss: of its potential energy; particles; of sqrt(gH); of the load on a solid, on a wall, of the
 weight; of M sqrt(gH), 1 % of what gravity gives in a run; and of numbers of the mirrored tank.
@@ -332,7 +342,7 @@ def measured(kind: str, pressure: str, seed: int, limit: float) -> dict[str, flo
     if kind == "still":
         missed["load"], missed["speed"] = of_rest(frames, scene)
         missed |= {"wall": of_wall(frames, depth), "weight": unbalanced(frames)}
-    missed["mirror"] = asymmetry(scene)[0]
+    missed["mirror"] = asymmetry(solved_exactly(scene))[0]
     return missed
 
 
