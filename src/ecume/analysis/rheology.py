@@ -11,6 +11,7 @@ from scipy.optimize import minimize_scalar
 
 from ecume.analysis.boxes import Integers
 from ecume.analysis.series import Mean, number, series, steady_mean, times
+from ecume.engine.stationarity import SURE, steady_part_of
 from ecume.errors import BadInput
 from ecume.trajectories.frame import Frame
 from ecume.units import Array, Number, Pressure, Rate, Time, Viscosity
@@ -57,33 +58,17 @@ class SteadyState(NamedTuple):
     mean: Mean
     """of the values from there on"""
     settled: bool
-    """whether the transient ends within the first third, and both halves of the steady part have the same mean within
-    three standard errors
-    """
-
-
-SURE = 3.0
-"""The largest difference of the means of two halves, in standard errors."""
+    """whether the series is stationary from there on"""
 
 
 def steady_state(values: Array) -> SteadyState:
-    """Detect the transient of an evenly spaced series. The cut in its first third is chosen so that the mean of the
-    remainder has the smallest standard error, sum (y - mean)^2 / n^2 [white1997]; the transient is twice as long. At
-    the cut the remaining transient changes the mean by about its error; at twice the cut it has decayed.
+    """The stationary part of an evenly spaced series, as `engine.stationarity` detects it [white1997], and its mean.
 
     >>> steady_state(np.array([9.0, 5.0, 1.0, 3.0, 1.0, 3.0, 1.0, 3.0, 1.0, 3.0, 1.0, 3.0])).first
     4
     """
-    count = len(values)
-    left = count - np.arange(count // 3 + 1)
-    shifted = values - values.mean()
-    total, square = (np.cumsum(part[::-1])[::-1][: len(left)] for part in (shifted, shifted**2))
-    cut = int(np.argmin((square - total**2 / left) / left**2))
-    rest = values[2 * cut :]
-    early, late = steady_mean(rest[: len(rest) // 2]), steady_mean(rest[len(rest) // 2 :])
-    apart, spread = abs(late.value - early.value), math.hypot(early.error, late.error)
-    alike = apart <= SURE * spread + 1e-12 * abs(early.value)
-    return SteadyState(2 * cut, steady_mean(rest), cut < len(left) - 1 and alike)
+    found = steady_part_of(values)
+    return SteadyState(found.first, steady_mean(values[found.first :]), found.settled)
 
 
 def steady_part(frames: Sequence[Frame]) -> tuple[Sequence[Frame], bool]:

@@ -9,6 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ecume.engine.stationarity import is_stationary, is_tested
 from ecume.errors import BadInput, nearest
 from ecume.run.directory import RunDirectory
 from ecume.trajectories.frame import Frame
@@ -17,12 +18,6 @@ from ecume.trajectories.records import clean
 
 UNTIL = "until"
 """The entry of a manifest with the condition of a run."""
-FEWEST = 50
-"""The number of frames from which a series is tested."""
-PART = 10
-"""A series is tested again once its number of frames has grown by one part in so many. Each test may accept a series
-that is not stationary.
-"""
 EXPECTED = (
     "'stationary shear_stress', 'stationary shear_stress within 2 %', 'top > 0.3' or 'largest_speed < 1e-6', "
     "in SI units"
@@ -47,37 +42,18 @@ class Condition(NamedTuple):
     stationary: bool
 
     def met(self, values: list[float]) -> bool:
-        """Whether the values of all frames so far meet it. A number crosses a bound from one frame to the next, so that
-        floats at rest at the start do not meet a condition of rest. A series is stationary if its transient, detected
-        by `steady_state`, is at most its first third, and both halves of the remainder agree within three standard
-        errors. A series still at its first value has not begun to change, and is not stationary. It is tested at
-        `FEWEST` frames, and then whenever their number has grown by a tenth.
+        """Whether the values of all frames so far meet it. A number crosses a bound from one frame to the next: floats
+        that start at rest have not come to rest. A series is stationary as `engine.stationarity` defines it: after its
+        transient, and not while it still has its first value. It is tested at `FEWEST` frames, and then whenever their
+        number has grown by a tenth.
 
         >>> read_condition("top > 2").met([1.0, 3.0]), read_condition("top < 2").met([1.0])
         (True, False)
         """
-        from ecume.analysis.rheology import steady_state  # imported here, since runs do not need SciPy's optimization
-
         if not self.stationary:
             beyond = [value < self.bound if self.below else value > self.bound for value in values[-2:]]
             return beyond == [False, True]
-        if not _tested(len(values)) or not np.isfinite(values).all() or min(values) == max(values):
-            return False
-        found = steady_state(np.array(values))
-        short = 3 * found.first <= len(values)
-        return found.settled and short and found.mean.error <= self.bound * abs(found.mean.value)
-
-
-def _tested(frames: int) -> bool:
-    """Whether a series with this number of frames is tested.
-
-    >>> [frames for frames in range(80) if _tested(frames)]
-    [50, 55, 61, 68, 75]
-    """
-    at = FEWEST
-    while at < frames:
-        at += math.ceil(at / PART)
-    return at == frames
+        return is_tested(len(values)) and is_stationary(np.array(values), self.bound)
 
 
 def read_condition(text: str) -> Condition:

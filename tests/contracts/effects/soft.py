@@ -136,6 +136,9 @@ EFFECTS = {
     "protocol.rate_steps.strain": of(
         1e-5, protocol=[{"time": 0.0, "rate_steps": {"rates": [0.2, 0.1], "strain": 4e-5}}]
     ),
+    "protocol.rate_steps.stationary_within": of(
+        0.5, frame_every=1e-5, protocol=[{"time": 0.0, "rate_steps": {"rates": [0.2], "strain": 1e-4}}]
+    ),
     "protocol.shear_stress": of(2e-3, protocol=[{"time": 0.0, "shear_stress": 1e-3}]),
     "protocol.oscillation.frequency": of(
         5.0, protocol=[{"time": 0.0, "oscillation": {"frequency": 2.5, "amplitude": 0.01}}]

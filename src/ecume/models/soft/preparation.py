@@ -16,7 +16,7 @@ from ecume.models.soft.parameters import Parameters, Planes
 from ecume.models.soft.protocol import at_frames, drive_at, protocol_of, rules_at
 from ecume.models.soft.report.diagnosis import diagnosis
 from ecume.models.soft.report.observation import AXES, observe
-from ecume.models.soft.state import CLOCK, LENGTH, PAST_ERROR, UPRIGHT, State, workspace
+from ecume.models.soft.state import CLOCK, LENGTH, PAST_ERROR, UPRIGHT, State, waiting_rates, workspace
 from ecume.scenes.soft import SIDES, PreparationSpec, SoftScene, StageSpec, dimensions_of, first_fraction, sides_of
 from ecume.units import Array
 
@@ -41,7 +41,7 @@ def start(scene: SoftScene, parameters: Parameters) -> State:
     for since_then in (state.velocity, state.spin, state.tally, state.budget):
         since_then[:] = 0
     state.orientation[:] = UPRIGHT[parameters.torque.shape[1]]
-    return state
+    return state._replace(**waiting_rates(parameters))
 
 
 def unprepared(scene: SoftScene, parameters: Parameters) -> State:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import itertools
 import math
 from collections.abc import Sequence
 from typing import NamedTuple
@@ -10,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ecume.engine.cells import Integers
-from ecume.scenes.soft import StageSpec, expanded
+from ecume.scenes.soft import NO_WAIT, StageSpec, expanded, waits_of
 from ecume.scenes.soft.protocol import SAME
 from ecume.units import Array
 
@@ -33,6 +32,10 @@ class Protocol(NamedTuple):
     """(T, 4) the components that stresses control: `Rules`"""
     jumps: Integers
     """(T,) whether a value jumps at the start of the interval"""
+    groups: Integers
+    """(T,) the moment of the scene whose rates end when the stress is stationary; -1 for intervals that do not"""
+    within: Array
+    """(T,) the relative standard error of the mean stress at which they end: see `waiting`"""
 
 
 class Drive(NamedTuple):
@@ -145,18 +148,18 @@ def protocol_of(stages: Sequence[StageSpec]) -> Protocol:
     """The moments of a scene as intervals. Moments within rounding of each other are a jump: `at_frames` may move both
     to one frame.
     """
-    stages = expanded(stages)
+    waits, stages = waits_of(stages), expanded(stages)
     if not stages or stages[0].time > 0.0:
         first = stages[0] if stages else StageSpec(time=0.0)
         reached = {name: getattr(first, name) for name in ("load", "strain", "scale", "wall_shear")}
-        stages = (StageSpec(time=0.0, **reached), *stages)
+        waits, stages = (NO_WAIT, *waits), (StageSpec(time=0.0, **reached), *stages)
     rows, course, before = [], ProtocolState(), ProtocolState()
-    for stage, following in itertools.zip_longest(stages, stages[1:]):
+    for stage, following, wait in zip(stages, (*stages[1:], None), waits, strict=True):
         course = begun(course, stage)
         span = math.inf if following is None else following.time - stage.time
         if span > 2.0 * SAME * stage.time:
             slopes = slopes_of(course, following, span)
-            rows.append((stage.time, course, slopes, wave_of(stage), jumped(before, course)))
+            rows.append((stage.time, course, slopes, wave_of(stage), jumped(before, course), wait))
             if following is not None:
                 course = course._replace(values=tuple(v + s * span for v, s in zip(course.values, slopes, strict=True)))
                 before = course
@@ -166,6 +169,8 @@ def protocol_of(stages: Sequence[StageSpec]) -> Protocol:
         waves=np.array([row[3] for row in rows]),
         rules=np.array([row[1].rules() for row in rows], np.int64),
         jumps=np.array([row[4] for row in rows], np.int64),
+        groups=np.array([row[5].group for row in rows], np.int64),
+        within=np.array([row[5].within for row in rows]),
     )
 
 

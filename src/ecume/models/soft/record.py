@@ -13,18 +13,29 @@ from ecume.models.actions import Access
 from ecume.models.costs import require_memory
 from ecume.models.invariants import DISSIPATED, ENERGY, INJECTED, Invariant, NumberHistory, part_of
 from ecume.models.layouts import Layout
-from ecume.models.model import Model, Row, Source
-from ecume.models.soft.integration import dirk_schemes
+from ecume.models.model import DIVERGED, Model, Row, Source
+from ecume.models.soft.integration import dirk_schemes, time_stepping
 from ecume.models.soft.integration.dirk_schemes import error_of_run
-from ecume.models.soft.integration.time_stepping import advance
 from ecume.models.soft.parameters import Parameters
 from ecume.models.soft.preparation import start, unprepared
+from ecume.models.soft.report import diagnosis as reason
 from ecume.models.soft.report.check_report import advice, bytes_of
-from ecume.models.soft.report.diagnosis import diagnosis
-from ecume.models.soft.report.observation import LARGE, SIZE_WORK, STAKE, observe
+from ecume.models.soft.report.observation import LARGE, SIZE_WORK, STAKE, main_stresses, observe
 from ecume.models.soft.setup import parameters_of
-from ecume.models.soft.state import ACCEPTED, NO_BUDGET, State, make_state, workspace
+from ecume.models.soft.state import (
+    ACCEPTED,
+    CLOCK,
+    NO_BUDGET,
+    State,
+    Workspace,
+    at_present,
+    make_state,
+    waiting_of,
+    workspace,
+)
+from ecume.models.soft.waiting import STATIONARY, take
 from ecume.scenes.soft import SoftScene, tension_law_of
+from ecume.trajectories.frame import Frame
 
 if TYPE_CHECKING:
     from ecume.models.user_laws import BoundLaw
@@ -48,7 +59,31 @@ def layout(scene: SoftScene, parameters: Parameters, state: State) -> Layout:
     if scene.preparation is not None and state.prepared.size:
         blank = blank._replace(prepared=np.zeros(2))
     indices = {"contacts": (0, room), "pair": (0, count - 1), "touching": (0, 1)}
+    if len(blank.rate_ends):
+        indices |= {"rate_reached": (0, STATIONARY), "rate_frames": (0, len(blank.rate_stresses))}
     return Layout(blank, indices, {"order": count})
+
+
+def advance(parameters: Parameters, state: State, scratch: Workspace, steps: int) -> int:
+    """Integrate as `time_stepping.advance`. At frames, rates end whose stress has become stationary."""
+    before, now = int(state.step[0]), at_present(parameters, state)
+    status = time_stepping.advance(now, state, scratch, steps)
+    at_frame = state.step[0] != before and state.step[0] % parameters.steps_per_frame == 0
+    if len(state.rate_ends) and status != DIVERGED and at_frame:
+        fits = scratch.generation == state.generation[0]
+        stresses = main_stresses(now, state, scratch if fits else workspace(now, state, 1.0))
+        take(waiting_of(state), now.protocol, float(state.pace[CLOCK]), stresses)
+    return status
+
+
+def frame(parameters: Parameters, state: State, scratch: Workspace) -> Frame:
+    """The frame of this instant."""
+    return observe(at_present(parameters, state), state, scratch)
+
+
+def diagnosis(parameters: Parameters, state: State) -> str:
+    """The reason why no step succeeds."""
+    return reason.diagnosis(at_present(parameters, state), state)
 
 
 def extended(laws: Sequence[BoundLaw]) -> Model:
@@ -145,7 +180,7 @@ SOFT = Model(
     workspace=workspace,
     advance=advance,
     access=Access(refusal="positions of soft spheres follow from the balance of forces; use [[protocol]] and walls"),
-    observe=observe,
+    observe=frame,
     constant=frozenset(["radius", "species"]),
     main_numbers=("total_energy", "smallest_gap", "contacts", "imbalance", "strain", "shear_stress", "pressure"),
     diagnosis=diagnosis,

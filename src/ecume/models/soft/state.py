@@ -24,6 +24,7 @@ from ecume.models.soft.integration.bordered_system import MOST, Borders, make_bo
 from ecume.models.soft.integration.dirk_schemes import SCHEMES
 from ecume.models.soft.parameters import Parameters
 from ecume.models.soft.permeation import Permeation, make_permeation
+from ecume.models.soft.waiting import Waiting, make_waiting, present, rates_of
 from ecume.units import Array
 
 LENGTH, PAST_ERROR, CLOCK, FORCE_RESIDUAL = range(4)
@@ -38,6 +39,10 @@ UNPREPARED = np.zeros(0)
 """The end of the preparation of scenes without one."""
 NO_LAYERS = np.zeros(0)
 """The layers of scenes without permeation."""
+NO_RATES = np.zeros(0)
+NONE_REACHED = np.zeros(0, np.int64)
+NO_STRESSES = np.zeros((0, 2))
+"""The rates of scenes in which none waits for a stationary stress, and their stresses."""
 
 UPRIGHT = {0: np.zeros(0), 1: np.zeros(1), 3: np.array([1.0, 0.0, 0.0, 0.0])}
 """The orientation at time 0, by the number of components of a spin."""
@@ -101,6 +106,11 @@ class State(NamedTuple):
     prepared: Array = UNPREPARED
     """(2,) the duration of the preparation (s), and the part of contact forces by which they changed in its last
     1/rate"""
+    rate_ends: Array = NO_RATES
+    """(W,) s: see `waiting.Waiting`, as for the next three"""
+    rate_reached: Integers = NONE_REACHED
+    rate_stresses: Array = NO_STRESSES
+    rate_frames: Integers = NONE_REACHED
 
 
 class Workspace(NamedTuple):
@@ -141,6 +151,7 @@ def make_state(parameters: Parameters, position: Array, room: int) -> State:
         effort=np.zeros(3, np.int64),
         budget=np.zeros(4),
         **_layers(parameters, count),
+        **waiting_rates(parameters),
     )
 
 
@@ -149,6 +160,27 @@ def _layers(parameters: Parameters, count: int) -> dict[str, Array]:
     if not parameters.permeation:
         return {}
     return {"layer_force": np.zeros(parameters.permeation.layers), "permeating": np.zeros(count)}
+
+
+def waiting_rates(parameters: Parameters) -> dict[str, Array]:
+    """The arrays of rates that wait for a stationary stress; none without such rates."""
+    if not len(rates_of(parameters.protocol)):
+        return {}
+    made = make_waiting(parameters.protocol, parameters.time_step * parameters.steps_per_frame)
+    return {f"rate_{name}": values for name, values in made._asdict().items()}
+
+
+def waiting_of(state: State) -> Waiting:
+    """The rates that wait for a stationary stress, as views of the state."""
+    return Waiting(state.rate_ends, state.rate_reached, state.rate_stresses, state.rate_frames)
+
+
+def at_present(parameters: Parameters, state: State) -> Parameters:
+    """The parameters with the protocol as it is after the rates that have ended early."""
+    if not len(state.rate_ends):
+        return parameters
+    frames = parameters.steps_per_frame, parameters.time_step, parameters.end
+    return parameters._replace(protocol=present(parameters.protocol, waiting_of(state), frames))
 
 
 def workspace(parameters: Parameters, state: State, room: float) -> Workspace:

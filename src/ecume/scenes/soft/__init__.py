@@ -3,7 +3,16 @@
 Start with `scene.SoftScene`, the whole scene. `protocol` describes the deformation over time.
 """
 
-from ecume.scenes.soft.protocol import OscillationSpec, RateStepsSpec, StageSpec, expanded
+from ecume.scenes.soft.protocol import (
+    NO_WAIT,
+    OscillationSpec,
+    RateStepsSpec,
+    StageSpec,
+    expanded,
+    known_moments,
+    waits,
+    waits_of,
+)
 from ecume.scenes.soft.scene import (
     SIDES,
     CellSpec,
@@ -24,6 +33,7 @@ from ecume.scenes.soft.scene import (
 )
 
 __all__ = [
+    "NO_WAIT",
     "SIDES",
     "CellSpec",
     "FilmSpec",
@@ -42,6 +52,9 @@ __all__ = [
     "dimensions_of",
     "expanded",
     "first_fraction",
+    "known_moments",
     "sides_of",
     "tension_law_of",
+    "waits",
+    "waits_of",
 ]

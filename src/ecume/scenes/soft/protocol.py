@@ -5,7 +5,7 @@ from __future__ import annotations
 import dataclasses
 import itertools
 from collections.abc import Sequence
-from typing import Annotated, Self
+from typing import Annotated, NamedTuple, Self
 
 from pydantic import Field, PlainValidator, model_validator
 
@@ -18,6 +18,7 @@ Instant = Annotated[Time, Field(ge=0.0, le=1e10)]
 Factor = Annotated[Number, Field(ge=-1e9, le=1e9)]
 Scale = Annotated[Number, Field(ge=1e-3, le=1e3)]
 Frequency = Annotated[Rate, Field(gt=0.0, le=1e9)]
+StationaryWithin = Annotated[Number, Field(gt=0.0, le=1.0)]
 HeldStrain = Annotated[Number, Field(gt=0.0, le=1e6)]
 StrainRate = Annotated[Rate, Field(ge=-1e9, le=1e9)]
 
@@ -65,14 +66,20 @@ class OscillationSpec:
 
 @dataclass(frozen=True, kw_only=True, config=STRICT)
 class RateStepsSpec:
-    """Consecutive shear rates, from the moment on, each applied up to the same strain: the steps of a flow curve."""
+    """Shear rates one after the other, from the moment on, each up to the same strain or until the stress is
+    stationary: the steps of a flow curve.
+    """
 
     rates: Annotated[tuple[StrainRate, ...], Field(min_length=1)]
-    """The shear rates in their order (1/s), none of them 0; the last one continues. Example: `[10.0, 1.0, 0.1]`.
-    Effect: each is a point of the flow curve."""
+    """The shear rates in their order (1/s), none of them 0. The last one continues; with `stationary_within` the strain
+    is held instead. Example: `[10.0, 1.0, 0.1]`. Effect: each is a point of the flow curve."""
     strain: HeldStrain
-    """The strain for which each rate is held. Example: `10.0`. Effect: larger strains leave more of the steady state
-    after the transient."""
+    """The strain for which each rate is held; with `stationary_within`, the largest one. Example: `10.0`. Effect:
+    larger strains leave more of the steady state after the transient."""
+    stationary_within: StationaryWithin | None = None
+    """The standard error of the mean shear stress, over this mean, at which a stationary rate has been held for long
+    enough; the next rate then begins. Omitted, each rate is held for the whole strain. Example: `0.05`. Effect:
+    smaller values hold each rate for longer."""
 
     @model_validator(mode="after")
     def _moving(self) -> Self:
@@ -162,13 +169,51 @@ def steps_of(stage: StageSpec) -> tuple[StageSpec, ...]:
     if steps is None:
         return (stage,)
     begins = itertools.accumulate(steps.spans, initial=stage.time)
-    first, *others = (StageSpec(time=time, shear_rate=rate) for time, rate in zip(begins, steps.rates, strict=False))
+    rates = steps.rates if steps.stationary_within is None else (*steps.rates, 0.0)
+    first, *others = (StageSpec(time=time, shear_rate=rate) for time, rate in zip(begins, rates, strict=False))
     return (dataclasses.replace(stage, rate_steps=None, shear_rate=first.shear_rate), *others)
 
 
 def expanded(stages: Sequence[StageSpec]) -> tuple[StageSpec, ...]:
-    """The protocol in which each rate of `rate_steps` is a moment."""
+    """A protocol with each rate of `rate_steps` as a moment. Rates that end when the stress is stationary count with
+    the largest strain.
+    """
     return tuple(step for stage in stages for step in steps_of(stage))
+
+
+class Wait(NamedTuple):
+    """What ends a moment of the expanded protocol before the next one."""
+
+    group: int
+    """the index of the moment whose rates these are; -1 where nothing does"""
+    within: float
+    """see `RateStepsSpec.stationary_within`"""
+
+
+NO_WAIT = Wait(-1, 0.0)
+
+
+def waits_of(stages: Sequence[StageSpec]) -> tuple[Wait, ...]:
+    """What ends each moment of the expanded protocol."""
+    found = []
+    for index, stage in enumerate(stages):
+        steps = stage.rate_steps
+        if steps is None or steps.stationary_within is None:
+            found += [NO_WAIT] * len(steps_of(stage))
+        else:
+            found += [Wait(index, steps.stationary_within)] * len(steps.rates) + [NO_WAIT]
+    return tuple(found)
+
+
+def known_moments(stages: Sequence[StageSpec]) -> tuple[float, ...]:
+    """The times (s) of the expanded protocol that do not depend on the run."""
+    steps = zip(expanded(stages), (NO_WAIT, *waits_of(stages)), waits_of(stages), strict=False)
+    return tuple(step.time for step, before, wait in steps if wait.group < 0 or wait.group != before.group)
+
+
+def waits(stages: Sequence[StageSpec]) -> bool:
+    """Whether any rate of a protocol is held until the stress is stationary."""
+    return any(wait.group >= 0 for wait in waits_of(stages))
 
 
 def end_of(stage: StageSpec) -> float:
@@ -189,7 +234,7 @@ def protocol_faults(stages: Sequence[StageSpec], dimensions: int, boxed: bool) -
             cause = "is that of a [cell] without walls; walls have a pressure, a shear_stress and a velocity"
             found += [((index, name), cause) for name in given]
         found += [((index, *path), cause) for path, cause in _wrong_units(stage, dimensions)]
-    found = found or _short_steps(stages)
+    found = found or [*_short_steps(stages), *_unknown_strains(stages)]
     if found:
         return found
     origin = [index for index, stage in enumerate(stages) for _ in steps_of(stage)]
@@ -204,6 +249,18 @@ def _short_steps(stages: Sequence[StageSpec]) -> Complaints:
         ((index, "time"), f"got {later.time:g} s; the rate_steps of the moment before end at {end_of(earlier):g} s")
         for index, (earlier, later) in enumerate(itertools.pairwise(stages), 1)
         if later.time < end_of(earlier) * (1.0 - WHOLE)
+    ]
+
+
+def _unknown_strains(stages: Sequence[StageSpec]) -> Complaints:
+    """The faults of strains to be reached after rates that end at a strain which only the run knows."""
+    return [
+        (
+            (index, "strain"),
+            "cannot be reached after rates with stationary_within; expected shear_rate, or none of both",
+        )
+        for index, stage in enumerate(stages)
+        if stage.strain is not None and waits(stages[:index])
     ]
 
 

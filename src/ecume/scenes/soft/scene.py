@@ -8,6 +8,7 @@ from typing import Annotated, Any, Literal, Self
 
 from pydantic import Field, model_validator
 
+from ecume.engine.stationarity import FEWEST
 from ecume.scenes.common import Common, Kind, dataclass
 from ecume.scenes.faults import Complaints, Inconsistent, Path
 from ecume.scenes.quantities import (
@@ -591,7 +592,22 @@ def _protocol(scene: SoftScene) -> Complaints:
         for index, stage in enumerate(scene.protocol)
         if end_of(stage) > max(scene.duration * (1.0 + 1e-9), stage.time)
     ]
+    found += [fault for index, stage in enumerate(scene.protocol) for fault in _untested(index, stage, scene)]
     return [(("protocol", *path), message) for path, message in found]
+
+
+def _untested(index: int, stage: StageSpec, scene: SoftScene) -> Complaints:
+    """The fault of a rate with too few frames to find its stress stationary."""
+    steps = stage.rate_steps
+    if steps is None or steps.stationary_within is None:
+        return []
+    fewest = math.floor(min(steps.spans) / scene.frame_every * (1.0 + 1e-9))
+    if fewest >= FEWEST:
+        return []
+    fastest = max(map(abs, steps.rates))
+    cause = f"is tested at frames, of which {fastest:g} /s has {fewest} in a strain of {steps.strain:g}; expected "
+    cause += f"{FEWEST} or more: a frame_every of {min(steps.spans) / FEWEST:.3g} s or less, or a larger strain"
+    return [((index, "rate_steps", "stationary_within"), cause)]
 
 
 def _preparation(scene: SoftScene) -> Complaints:

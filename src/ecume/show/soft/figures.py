@@ -33,7 +33,7 @@ from ecume.analysis.rheology import (
 from ecume.analysis.series import Mean, number, series, times
 from ecume.errors import BadInput
 from ecume.models.liquids import material_of
-from ecume.scenes.soft import SoftScene, expanded
+from ecume.scenes.soft import SoftScene, expanded, known_moments, waits
 from ecume.show.curves import Frames, evolution, over_time, scaling, span, titled
 from ecume.show.soft.measures import MEASURE_FIGURES, require_box
 from ecume.show.soft.packing import Packing
@@ -69,14 +69,22 @@ class SteadyFlow(NamedTuple):
 
 
 def parts_of(frames: Frames, scene: SoftScene) -> list[list[Frame]]:
-    """The frames between consecutive moments of the protocol; steps of the shear rate are moments."""
+    """The frames between each two moments of the protocol; steps of the shear rate are moments. Where rates end when
+    the stress is stationary, frames say to which rate they belong.
+    """
     now = times(frames)
-    turns = sorted({0.0, *(stage.time for stage in expanded(scene.protocol)), float(now[-1])})
+    turns = sorted({0.0, *known_moments(scene.protocol), float(now[-1])})
     inside = [
         np.flatnonzero((now > start * (1.0 + 1e-9)) & (now <= end * (1.0 + 1e-9)))
         for start, end in itertools.pairwise(turns)
     ]
-    return [[frames[int(index)] for index in part] for part in inside]
+    parts = [[frames[int(index)] for index in part] for part in inside]
+    return [list(rate) for part in parts for _, rate in itertools.groupby(part, _rate_step)]
+
+
+def _rate_step(frame: Frame) -> float:
+    """The rate to which a frame belongs, of those that wait for a stationary stress."""
+    return frame.numbers.get("rate_step", 0.0)
 
 
 def steady_flows(frames: Frames, scene: SoftScene) -> list[SteadyFlow]:
@@ -271,9 +279,13 @@ def flow_curve(frames: Frames, scene: SoftScene) -> Figure:
     values, rates = list(map(stress_of, flows)), [flow.point.rate for flow in flows]
     size, fit = [abs(rate.value) for rate in rates], fitted_flow(flows)
     scale = scale_for(max(one.value for one in values), frames[0].units["shear_stress"])
+    held = waits(scene.protocol)
     with style():
-        drawn = figure(6.4, 4.2)
-        axes = drawn.add_subplot(xlabel="shear rate (1/s)", ylabel=f"shear stress ({scale.unit})")
+        drawn = figure(6.4, 5.6 if held else 4.2)
+        axes, *below = drawn.subplots(1 + held, 1, sharex=True, squeeze=False, height_ratios=[3.0, 1.0][: 1 + held])[
+            :, 0
+        ]
+        axes.set(xlabel="shear rate (1/s)", ylabel=f"shear stress ({scale.unit})")
         for places, look in _sets_of_points(flows, scale.factor):
             _points(axes, [rates[place] for place in places], [values[place] for place in places], look)
         _mark_unsettled(axes, flows, size, [scale.factor * one.value for one in values])
@@ -286,7 +298,34 @@ def flow_curve(frames: Frames, scene: SoftScene) -> Figure:
         _rate_axis(axes, size)
         axes.set(yscale=scaling([one.value for one in values]), title=titled("Flow curve", scene))
         axes.legend()
+        for panel in below:
+            _strains_held(panel, flows)
+            panel.set_xlabel("shear rate (1/s)")
+            axes.xaxis.label.set_visible(False)
     return drawn
+
+
+def _strains_held(axes: Axes, flows: Sequence[SteadyFlow]) -> None:
+    """Draw the strain for which each rate was held, of those that wait for a stationary stress."""
+    waited = [flow for flow in flows if _rate_step(flow.frames[0])]
+    parts = [[flow for flow in waited if _became_stationary(flow) is ended] for ended in (True, False)]
+    for part, filled, label in zip(parts, (MUTED, "none"), ("until stationary", "largest strain"), strict=True):
+        held = [abs(flow.point.rate.value) * _duration(flow.frames) for flow in part]
+        rates = [abs(flow.point.rate.value) for flow in part]
+        axes.plot(rates, held, "s", markersize=4, markerfacecolor=filled, color=MUTED, label=label if part else "_")
+    axes.set(ylabel="strain held", ylim=(0.0, None))
+    axes.legend()
+
+
+def _became_stationary(flow: SteadyFlow) -> bool:
+    """Whether a rate ended since its stress was stationary within the error that the scene asks for."""
+    first, last = flow.frames[0].numbers, flow.frames[-1].numbers
+    return last["rates_stationary"] > first["rates_stationary"]
+
+
+def _duration(part: Sequence[Frame]) -> float:
+    """The duration of evenly spaced frames, with the interval before the first (s)."""
+    return (part[-1].time - part[0].time) * len(part) / (len(part) - 1)
 
 
 def viscous_numbers(frames: Frames, scene: SoftScene) -> Figure:
@@ -459,8 +498,7 @@ def large_oscillations(frames: Frames, scene: SoftScene) -> Figure:
     with style():
         drawn = figure(8.4, 3.8)
         loops, harmonics = drawn.subplots(1, 2)
-        moving = [stage.oscillation is not None for stage in expanded(scene.protocol)]
-        parts = [part for part, wave in zip(parts_of(frames, scene), moving, strict=False) if wave and len(part) > 1]
+        parts = [part for part in parts_of(frames, scene) if len(part) > 1 and _oscillates(part, scene)]
         for part, answer, color in zip(parts, found, itertools.cycle(PALETTE)):
             late = part[-max(len(part) // (answer.periods + 1), 2) :]
             strain, stress = (

@@ -38,6 +38,7 @@ from ecume.models.soft.report.energy_budget import (
 )
 from ecume.models.soft.report.permeation_report import PORE, pressure_arrays, pressure_numbers
 from ecume.models.soft.state import ACCEPTED, CLOCK, FAILED, FORCE_RESIDUAL, REJECTED, State, Step, Workspace
+from ecume.models.soft.waiting import RUNNING, STATIONARY, rate_at
 from ecume.scenes.soft import SIDES
 from ecume.trajectories.frame import Frame
 from ecume.units import Array, with_prefix
@@ -315,10 +316,34 @@ def observe(parameters: Parameters, state: State, scratch: Workspace) -> Frame:
     volume = float(np.prod(box.sides))
     parts = stresses(parameters, step, gap, volume)
     tensor, rate = np.sum(list(parts.values()), axis=0), float(state.cell_rate[STRAIN])
+    numbers |= _rate_numbers(parameters, state)
     numbers |= (
         _box_numbers(parameters, box, float(state.cell[STRAIN])) | _stress_numbers(tensor, rate) | _components(parts)
     )
     return Frame(float(state.pace[CLOCK]), arrays, numbers, UNITS | _box_units(parameters.dimensions, numbers))
+
+
+def main_stresses(parameters: Parameters, state: State, scratch: Workspace) -> tuple[float, float]:
+    """The shear stress and the normal stress of a frame at this instant."""
+    step, box = scratch.step, box_in(parameters, state)
+    begin_step(parameters, step, drive_at(parameters.protocol, float(state.pace[CLOCK])))
+    parts = stresses(parameters, step, exp(step.log_gap), float(np.prod(box.sides)))
+    numbers = _stress_numbers(np.sum(list(parts.values()), axis=0), float(state.cell_rate[STRAIN]))
+    return numbers["shear_stress"], numbers["normal_stress"]
+
+
+def _rate_numbers(parameters: Parameters, state: State) -> dict[str, float]:
+    """The rate to which a frame belongs, of those that are held until the stress is stationary, and how many have
+    ended; none in scenes without them.
+    """
+    reached = state.rate_reached
+    if not len(reached):
+        return {}
+    return {
+        "rate_step": float(rate_at(parameters.protocol, float(state.pace[CLOCK]))),
+        "rates_left": float((reached == RUNNING).sum()),
+        "rates_stationary": float((reached == STATIONARY).sum()),
+    }
 
 
 def _reduced(step: Step, tension: Array) -> float:
