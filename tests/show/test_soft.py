@@ -11,6 +11,7 @@ import pytest
 from ecume.analysis.boxes import Box, box_of, nearest, wrapped
 from ecume.analysis.series import Mean
 from ecume.errors import BadInput
+from ecume.scenes.schema import from_plain
 from ecume.scenes.soft import (
     CellSpec,
     OscillationSpec,
@@ -23,6 +24,7 @@ from ecume.scenes.soft import (
 )
 from ecume.show.movies import film
 from ecume.show.soft.figures import SOFT_FIGURES, hysteresis, oscillations, steady_flows
+from ecume.show.soft.measures import between_rough_walls
 from ecume.show.soft.packing import PULL, PUSH, Packing, links_around, links_of
 from ecume.trajectories.frame import Frame
 
@@ -218,6 +220,24 @@ def test_each_step_of_the_rate_is_a_point_of_the_flow_curve_after_its_transient(
     assert float(label.split()[0]) == pytest.approx(0.1, abs=0.003)
     assert "n = 1.0" in label
     assert steady_flows(frames[:1] * 2, scene) == []
+
+
+def test_rates_that_end_early_are_parts_of_the_flow_curve_with_the_strain_of_each(stepped):
+    """The same flows in half of the planned time: frames say to which rate they belong, and the last is not steady."""
+    scene, (first, *frames) = stepped
+    steps = dataclasses.replace(scene.protocol[0].rate_steps, strain=1.0, stationary_within=0.05)
+    scene = dataclasses.replace(
+        scene, duration=62.4, frame_every=1e-3, protocol=(StageSpec(time=0.0, rate_steps=steps),)
+    )
+    waited = [first] + [
+        frame._replace(numbers=frame.numbers | {"rate_step": 1.0 + place // 60, "rates_stationary": float(reached)})
+        for place, frame in enumerate(frames)
+        for reached in [min((place + 1) // 60, 3)]
+    ]
+    shown = SOFT_FIGURES["flow-curve"](waited, scene)
+    held = {line.get_label(): line.get_xydata() for line in shown.axes[1].lines}
+    assert held["until stationary"] == pytest.approx(np.array([[rate, 0.5] for rate in list(STEPS)[:3]]))
+    assert held["largest strain"] == pytest.approx(np.array([[2.5, 0.5]]))
 
 
 def test_hysteresis_needs_no_steady_flow_at_the_turn(stepped):
@@ -427,3 +447,27 @@ def test_a_figure_reads_each_frame_a_few_times_whatever_the_number_of_frames(nam
         reads[count] = CountedFrames.reads
     assert reads[200] <= MOST_READS * 200
     assert reads[200] <= 2.2 * reads[100] + 50
+
+
+def test_a_profile_between_rough_walls_is_that_of_the_spheres_between_the_glued_ones():
+    """Spheres of radius 0.5 at the walls, and others between them that flow uniformly."""
+    rough = [{"radius": 0.5, "modulus": 1.0, "count": 1, "glued": side} for side in ("bottom", "top")]
+    scene = from_plain({
+        "model": "soft", "duration": 1.0, "frame_every": 1.0, "liquid": {"viscosity": 1e-3},
+        "particles": [*rough, {"radius": 0.5, "modulus": 1.0, "count": 1}],
+        "cell": {"size": [4.0, 6.0]}, "walls": [{"side": "bottom"}, {"side": "top"}],
+    })  # fmt: skip
+    y = np.array([0.5, 5.5, *np.linspace(1.6, 4.4, 15)])
+    position = np.stack([np.linspace(0.5, 3.5, 17), y], axis=1)
+    arrays = {
+        "position": position, "radius": np.full(17, 0.5), "species": np.array([0, 1, *[2] * 15]),
+        "velocity": np.stack([np.clip(y - 1.0, 0.0, 4.0), np.zeros(17)], axis=1),
+    }  # fmt: skip
+    frame = Frame(0.0, arrays, {"box_width": 4.0, "bottom_y": 0.0, "top_y": 6.0}, {})
+    assert between_rough_walls([frame, frame], scene) == pytest.approx((1.0, 5.0))
+    smooth = dataclasses.replace(scene, particles=scene.particles[2:])
+    assert between_rough_walls([frame], smooth) == pytest.approx((0.0, 6.0))
+    drawn = SOFT_FIGURES["across"]([frame] * 4, scene)
+    assert [patch.get_height() for patch in drawn.axes[0].patches] == pytest.approx([1.0, 1.0])
+    (straight,) = [line for line in drawn.axes[0].lines if line.get_label() == "straight"]
+    assert 1.0 < min(straight.get_ydata()) < max(straight.get_ydata()) < 5.0

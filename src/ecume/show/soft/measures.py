@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 
 from ecume.analysis.boxes import copies
 from ecume.analysis.close_pairs import films, gap_distribution
-from ecume.analysis.layers import layers
+from ecume.analysis.layers import ends_of, layers
 from ecume.analysis.rearrangements import Swaps, local_deformation, neighbor_swaps, nonaffine_displacement
 from ecume.analysis.series import number, series, times
 from ecume.errors import BadInput
@@ -228,12 +228,14 @@ LAYERS = 12
 
 
 def across(frames: Frames, scene: SoftScene) -> Figure:
-    """Velocity and volume fraction over the height, averaged over the second half of the frames; they show shear
-    bands.
+    """Velocity and volume fraction over the height, means over the second half of the frames: shear bands show. Spheres
+    that make walls rough are shaded; a straight profile is that of the layers between them.
     """
     late = list(frames)
     late = late[len(late) // 2 :]
-    found = layers(late, LAYERS)
+    found, (low, high) = layers(late, LAYERS), between_rough_walls(late, scene)
+    top = found.height[0] + found.height[-1]
+    flowing = (found.height > low) & (found.height < high)
     height = scale_for(float(found.height[-1]), "m")
     speeds = [one.value for one in found.velocity]
     speed = scale_for(max(map(abs, speeds)), "m/s")
@@ -249,13 +251,35 @@ def across(frames: Frames, scene: SoftScene) -> Figure:
                 values, height.factor * found.height, xerr=errors, fmt="o-", markersize=4, capsize=2, color=PALETTE[1]
             )
             axes.set_xlabel(label)
-        panels[0].plot(
-            speed.factor * np.polyval(np.polyfit(found.height, speeds, 1), found.height), height.factor * found.height,
-            color=MUTED, linestyle=":", label="straight",
-        )  # fmt: skip
+            axes.set_ylim(0.0, height.factor * top)
+            for start, end in ((0.0, low), (high, top)):
+                axes.axhspan(height.factor * start, height.factor * end, color=MUTED, alpha=0.2, lw=0.0)
+        if flowing.sum() > 1 and np.isfinite(np.array(speeds)[flowing]).all():
+            line = np.polyfit(found.height[flowing], np.array(speeds)[flowing], 1)
+            panels[0].plot(
+                speed.factor * np.polyval(line, found.height[flowing]), height.factor * found.height[flowing],
+                color=MUTED, linestyle=":", label="straight",
+            )  # fmt: skip
         panels[0].set(ylabel=f"height ({height.unit})", title=titled("Across the cell", scene))
         panels[0].legend()
     return drawn
+
+
+def between_rough_walls(frames: Frames, scene: SoftScene) -> tuple[float, float]:
+    """The heights above the bottom (m) between which no sphere is glued to the bottom or the top, mean over frames;
+    the ends of the cell where the wall is smooth.
+    """
+    ends = []
+    for side, inward in (("bottom", 1.0), ("top", -1.0)):
+        species = [index for index, one in enumerate(scene.particles) if one.glued == side]
+        for frame in frames:
+            bottom, top, _ = ends_of(frame)
+            wall = bottom if side == "bottom" else top
+            glued = np.isin(frame.arrays["species"], species)
+            reach = inward * (frame.arrays["position"][glued, 1] - wall) + frame.arrays["radius"][glued]
+            ends.append(wall - bottom + inward * float(reach.max(initial=0.0)))
+    low, high = np.array(ends).reshape(2, -1).mean(axis=1)
+    return float(low), float(high)
 
 
 MEASURE_FIGURES = {
