@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -155,14 +155,14 @@ def make_state(parameters: Parameters, position: Array, room: int) -> State:
     )
 
 
-def _layers(parameters: Parameters, count: int) -> dict[str, Array]:
+def _layers(parameters: Parameters, count: int) -> dict[str, Any]:
     """The arrays of permeating liquid at rest; none without permeation."""
     if not parameters.permeation:
         return {}
     return {"layer_force": np.zeros(parameters.permeation.layers), "permeating": np.zeros(count)}
 
 
-def waiting_rates(parameters: Parameters) -> dict[str, Array]:
+def waiting_rates(parameters: Parameters) -> dict[str, Any]:
     """The arrays of rates that wait for a stationary stress; none without such rates."""
     if not len(rates_of(parameters.protocol)):
         return {}

@@ -47,7 +47,7 @@ def strides_of(protocol: Protocol) -> Integers:
     rates = rates_of(protocol)
     speed, group = np.abs(protocol.courses[rates, STRAIN, 1]), protocol.groups[rates]
     fastest = np.array([speed[group == own].max() for own in group])
-    return np.maximum(np.rint(fastest / speed), 1.0).astype(np.int64)
+    return np.asarray(np.maximum(np.rint(fastest / speed), 1.0), np.int64)
 
 
 def make_waiting(protocol: Protocol, frame_every: float) -> Waiting:

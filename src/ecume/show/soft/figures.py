@@ -318,7 +318,7 @@ def _strains_held(axes: Axes, flows: Sequence[SteadyFlow]) -> None:
 
 
 def _became_stationary(flow: SteadyFlow) -> bool:
-    """Whether a rate ended since its stress was stationary within the error that the scene asks for."""
+    """Whether a rate ended since its stress was stationary within the error of the scene."""
     first, last = flow.frames[0].numbers, flow.frames[-1].numbers
     return last["rates_stationary"] > first["rates_stationary"]
 
