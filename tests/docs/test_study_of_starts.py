@@ -9,8 +9,8 @@ PAGE = DOCS / "physics" / "soft-permeation.md"
 ROW = re.compile(r"^\| (0\.\d+) \| (\d) \| ([\d.]+ s|none) \| ([\d.]+ s|none) \|$", re.MULTILINE)
 
 
-def study():
-    spec = importlib.util.spec_from_file_location("permeation_study", DOCS / "studies" / "permeation.py")
+def study(name="permeation"):
+    spec = importlib.util.spec_from_file_location("permeation_study", DOCS / "studies" / f"{name}.py")
     module = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(module)
     return module
@@ -37,3 +37,17 @@ def test_loose_packings_start_earlier_with_permeation_and_the_densest_later():
     dense = [row for row in rows if row["volume_fraction"] == 0.79]
     assert len(dense) == 3
     assert all(row["permeating"] > 2.0 * row["free"] for row in dense)
+
+
+def test_the_table_of_heights_is_what_was_recorded():
+    rows = study("permeation_sizes").recorded()
+    whole = {(row["spheres"], row["seed"], row["permeation"]): row for row in rows}
+    expected = [
+        f"| {spheres:g} | {row['height']:.1f} | {seed:g} | {max(row['upper'], row['lower']):g} s "
+        f"| {max(free['upper'], free['lower']):g} s | {row['suction']:.1f} |"
+        for spheres in (30, 60)
+        for seed in (1, 2, 3)
+        if (row := whole.get((spheres, seed, 1))) and (free := whole.get((spheres, seed, 0)))
+    ]
+    assert len(expected) == 5
+    assert "\n".join(expected) in PAGE.read_text(encoding="utf-8")
