@@ -29,7 +29,7 @@ def frames_until_all_ended(protocol, stress_of):
     for frame in range(1, 2000):
         time = 1.0 + frame * EVERY
         stress = stress_of(drive_at(present, time - 0.5 * EVERY).rate, frame)
-        take(waiting, present, time, (stress, 1.0 + 0.1 * (frame % 2)))
+        take(waiting, present, time, (stress, 1.0 + 0.1 * math.sin(1.7 * frame)))
         present = shortened(protocol, waiting)
         if not (waiting.reached == RUNNING).any():
             break
