@@ -89,10 +89,10 @@ def grid_of(spec: FieldSpec, dimensions: int) -> Grid:
         raise BadInput(f"{path.name}: its velocities are {got}; its coordinates make a grid of {expected}", "file")
     if len(times) != len(velocity) or not np.isfinite(times).all() or not (np.diff(times) > 0.0).all():
         raise BadInput(f"{path.name}: its {len(times)} times do not rise with its {len(velocity)} instants", "file")
-    places = [spec.length_unit * each for each in places]
-    velocity = spec.velocity_unit * velocity
+    places = [(spec.length_unit or 1.0) * each for each in places]
+    velocity = (spec.velocity_unit or 1.0) * velocity
     _require_slow(path.name, velocity)
-    return _grid(path.name, places, velocity, spec.time_unit * times)
+    return _grid(path.name, places, velocity, (spec.time_unit or 1.0) * times)
 
 
 def _require_slow(name: str, velocity: Array) -> None:
@@ -259,15 +259,15 @@ def _times(path: Path, array: Any, spec: FieldSpec) -> Array:
         got = _printable(str(array.attrs["units"]))
         raise BadInput(f"{path.name}: its times are in {got}; expected days, hours, minutes or seconds", "file")
     passed: Array = times - times[0]
-    return unit / spec.time_unit * passed
+    return unit / (spec.time_unit or 1.0) * passed
 
 
 def _stated_unit(path: Path, array: Any, sought: tuple[str, str], spec: FieldSpec) -> float:
-    """The unit, in SI, of an array of a NetCDF file. It is 1 if the key of the scene gives a unit other than SI, if the
-    file gives none, and, with a warning, if it cannot be read; sought = (key, SI unit). Raises BadInput for degrees.
+    """The unit, in SI, of an array of a NetCDF file. It is 1 if the key of the scene gives a unit, if the file gives
+    none, and, with a warning, if it cannot be read; sought = (key, SI unit). Raises BadInput for degrees.
     """
     (key, symbol), stated = sought, str(array.attrs.get("units", "")).strip()
-    if getattr(spec, key) != 1.0 or stated.lower() in NO_UNIT:
+    if getattr(spec, key) is not None or stated.lower() in NO_UNIT:
         return 1.0
     if symbol == "m" and stated.lower().startswith(("deg", "\N{DEGREE SIGN}")):
         raise BadInput(

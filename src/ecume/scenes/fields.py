@@ -11,7 +11,7 @@ from ecume.scenes.common import dataclass
 from ecume.scenes.faults import Complaints, echo
 from ecume.scenes.quantities import STRICT, Duration, Name, Size
 from ecume.scenes.tables import beside, require_there
-from ecume.units import Speed
+from ecume.units import Length, Speed
 
 
 @dataclass(frozen=True, kw_only=True, config=STRICT)
@@ -21,13 +21,13 @@ class FieldSpec:
     file: Annotated[str, Field(min_length=1, max_length=1000)]
     """The file, beside the scene's: NumPy (`.npz`), NetCDF (`.nc`), VTK (`.vti`, `.vtr`, `.vtk`), or the directory of a
     run of a tank. Example: `"gyre.npz"`. Effect: particles follow its velocities; NaN is land."""
-    length_unit: Size = 1.0
+    length_unit: Annotated[Length, Field(gt=0.0, le=1e6)] | None = None
     """The unit of the coordinates of the file (m); by default meters, or what a NetCDF file states. Effect: scales the
     grid."""
-    velocity_unit: Annotated[Speed, Field(gt=0.0, le=1e3)] = 1.0
+    velocity_unit: Annotated[Speed, Field(gt=0.0, le=1e3)] | None = None
     """The unit of the velocities of the file (m/s); by default m/s, or what a NetCDF file states. Effect: scales the
     velocities."""
-    time_unit: Duration = 1.0
+    time_unit: Duration | None = None
     """The unit of the times of the file (s); by default seconds, or what a NetCDF file states; dates need none. Effect:
     scales the times."""
     coordinates: tuple[Name, ...] = ()

@@ -238,3 +238,19 @@ def test_a_wall_is_counted_once_wherever_its_nodes_are(dimension):
 def test_an_opening_has_no_angle():
     with pytest.raises(SceneError, match=r"tank\.top\.contact_angle: is of a wall"):
         plate(cap(90.0), tank={"high": [2.0, 2.0], "top": {"kind": "open", "contact_angle": 1.0}})
+
+
+@pytest.mark.compiled
+def test_a_drop_has_the_same_energy_at_a_periodic_side_as_elsewhere():
+    """Where its edge reaches over the side it is not pulled across."""
+    sides = {"tank": {"low": [-2.0, 0.0], "high": [2.0, 2.0], "left": {"kind": "periodic"},
+             "right": {"kind": "periodic"}, "top": OPEN}}  # fmt: skip
+    found = []
+    for edge in (0.5, 1.88, 1.96, 2.0):
+        parameters, state, workspace = begun(plate({"low": [edge - 2.0, 0.0], "high": [edge, 0.5]}, **sides))
+        energy = surface_energy(parameters, workspace)
+        add_surface_tension(parameters, state, workspace)
+        found.append((energy, float(state.mass @ state.acceleration[0])))
+    energies, forces = np.array(found).T
+    np.testing.assert_allclose(energies, energies[0], rtol=3e-3)
+    assert np.abs(forces).max() < 0.3  # two edges pull with 1 each

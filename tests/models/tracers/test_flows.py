@@ -440,6 +440,8 @@ def test_the_units_that_a_netcdf_file_states_are_used(tmp_path, length, speed, t
     assert given.step[0] == pytest.approx(1000.0 / one[0], rel=1e-12), "the key comes first"
     assert given.times == pytest.approx(60.0 * t / one[2], rel=1e-12)
     assert given.velocity == pytest.approx(2.0 / one[1] * np.transpose(velocity, (1, 3, 2, 0)), rel=1e-12)
+    meters = field_files.grid_of(FieldSpec(file=str(path), velocity_unit=1.0), 2)
+    assert meters.velocity == pytest.approx(1.0 / one[1] * np.transpose(velocity, (1, 3, 2, 0)), rel=1e-12)
 
 
 def test_a_netcdf_file_in_degrees_is_refused(tmp_path):

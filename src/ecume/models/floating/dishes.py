@@ -333,7 +333,8 @@ def strengths(scene: FloatingScene, floats: Floats, found: Meniscus, count: int)
         raise scene_error("dish", f"the shape has {count} walls; got menisci of {len(amplitudes)}")
     charges, number = np.unique(floats.charge, return_inverse=True)
     each = [[capillarity.wall_strength(tension, charge, wall) for charge in charges.tolist()] for wall in amplitudes]
-    return np.array(each)[:, number]
+    # In the order of C, as without menisci: for another order each time step is compiled once more.
+    return np.take(np.array(each), number, axis=1)
 
 
 def no_table() -> Array:

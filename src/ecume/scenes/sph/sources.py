@@ -275,7 +275,8 @@ def _region(arrays: Mapping[str, Any], mine: Any, region: Any) -> dict[str, Any]
 
 def _outline_from(region: dict[str, Any], name: str, folder: Folder) -> None:
     """Read a drawn outline, in the unit of the file or the scene."""
-    path, unit = _there(folder, name), region.pop(UNIT, None)
+    unit = region.pop(UNIT, None)  # also where the file is missing: otherwise the unit is a second fault
+    path = _there(folder, name)
     kinds = {".stl": ("triangles", _triangles), ".dxf": ("vertices", _vertices)}
     if path.suffix.lower() not in kinds:
         raise ValueError("expected a .stl or .dxf file")

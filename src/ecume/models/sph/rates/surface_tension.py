@@ -101,8 +101,18 @@ def colors_of(parameters: Parameters, workspace: Workspace) -> Colors:
         wet = np.where(fields.kind == 1.0 + (colored(parameters) is parameters.second.material), wet, 0.0)
     dry = solid_colors(parameters, workspace) * fields.volume
     volume = np.where(fields.liquid > 0.0, wet, dry).astype(np.float64)
-    grid = grid_around(parameters, position[:, : workspace.rates.shape[1]])
+    grid = grid_around(parameters, position[:, inside_of(parameters, workspace)])
     return Colors(position, volume, grid, nodes_of(parameters, position, volume, grid))
+
+
+def inside_of(parameters: Parameters, workspace: Workspace) -> Integers:
+    """The columns of the liquid, and of images beyond periodic sides: their color reaches back into the tank."""
+    images, mirrors = workspace.images, parameters.boundary.sides.mirrors
+    liquid, real = workspace.rates.shape[1], len(workspace.lists.counts)
+    parts = zip(itertools.pairwise(images.start.tolist()), mirrors, strict=True)
+    beyond = [np.arange(real + first, real + end) for (first, end), mirror in parts if not mirror]
+    found: Integers = np.concatenate([np.arange(liquid), *beyond]).astype(np.int64)
+    return found
 
 
 def colored(parameters: Parameters) -> Material:
