@@ -21,6 +21,16 @@ def test_a_frequency_that_is_not_positive_is_refused():
         wavenumber_at(-1.0, 1.0, 9.81)
 
 
+@pytest.mark.parametrize(
+    "law", [piston_ratio, flap_ratio, lambda k, depth: second_order_elevation(0.1, k, depth, 0.0)]
+)
+def test_water_without_depth_is_refused(law):
+    with pytest.raises(BadInput, match="depth"):
+        law(1.0, 0.0)
+    with pytest.raises(BadInput, match="wavenumber"):
+        law(0.0, 1.0)
+
+
 @pytest.mark.parametrize(("ratio", "speed"), [(piston_ratio, lambda z, h: 1.0), (flap_ratio, lambda z, h: z / h)])
 @pytest.mark.parametrize("k", [0.3, 2.0, 8.0])
 def test_the_maker_moves_what_the_progressive_wave_takes_from_it(ratio, speed, k):
@@ -30,7 +40,12 @@ def test_the_maker_moves_what_the_progressive_wave_takes_from_it(ratio, speed, k
         / quad(lambda z: math.cosh(k * z) ** 2, 0.0, 1.0)[0]
     )
     assert ratio(k, 1.0) == pytest.approx(part * math.sinh(k), rel=1e-9)
-    assert ratio(2000.0, 1.0) == pytest.approx(2.0, rel=0.02)
+
+
+@pytest.mark.parametrize(("ratio", "less"), [(piston_ratio, 0.0), (flap_ratio, 2.0)])
+@pytest.mark.parametrize("deep", [40.0, 99.0, 101.0, 2000.0])
+def test_makers_in_deep_water_have_their_limits_where_hyperbolic_functions_overflow(ratio, less, deep):
+    assert ratio(deep, 1.0) == pytest.approx(2.0 - less / deep, rel=1e-12)
 
 
 @pytest.mark.parametrize("gamma", [1.0, 3.3, 7.0])

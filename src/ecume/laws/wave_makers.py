@@ -43,29 +43,34 @@ def piston_ratio(wavenumber: Wavenumber, depth: Length) -> Number:
     """Height of the waves over the stroke of a piston, 2 (cosh 2 k H - 1)/(sinh 2 k H + 2 k H): twice its amplitude for
     each. In shallow water it is k H.
 
-    [dean1991, sec. 6.2].
+    [dean1991, sec. 6.3].
 
     >>> k = wavenumber_at(2.0 * math.pi, 0.3, 9.81)
     >>> round(piston_ratio(k, 0.3), 3)
     1.299
     """
+    require_positive("wavenumber", wavenumber)
+    require_positive("depth", depth)
     twice = 2.0 * min(wavenumber * depth, DEEPEST)
     return 2.0 * (math.cosh(twice) - 1.0) / (math.sinh(twice) + twice)
 
 
 def flap_ratio(wavenumber: Wavenumber, depth: Length) -> Number:
     """Height of the waves over the stroke, at the level, of a flap hinged at the floor, 4 (sinh k H/(k H))
-    (k H sinh k H - cosh k H + 1)/(sinh 2 k H + 2 k H). In shallow water it is half of a piston's, in deep water the
-    same.
+    (k H sinh k H - cosh k H + 1)/(sinh 2 k H + 2 k H). In shallow water it is half of a piston's, in deep water it
+    tends to the same as 2 - 2/(k H).
 
-    [dean1991, sec. 6.2].
+    [dean1991, sec. 6.3].
 
     >>> round(flap_ratio(0.01, 1.0) / piston_ratio(0.01, 1.0), 4)
     0.5
     """
-    deep = min(wavenumber * depth, DEEPEST)
-    height = deep * math.sinh(deep) - math.cosh(deep) + 1.0
-    return 4.0 * math.sinh(deep) / deep * height / (math.sinh(2.0 * deep) + 2.0 * deep)
+    require_positive("wavenumber", wavenumber)
+    require_positive("depth", depth)
+    steps = wavenumber * depth
+    deep = min(steps, DEEPEST)
+    height = steps * math.sinh(deep) - math.cosh(deep) + 1.0
+    return 4.0 * math.sinh(deep) / steps * height / (math.sinh(2.0 * deep) + 2.0 * steps)
 
 
 def jonswap(frequency: Rate, peak: Rate, height: Length, enhancement: Number = 3.3) -> SpectralDensity:
@@ -98,6 +103,8 @@ def second_order_elevation(amplitude: Length, wavenumber: Wavenumber, depth: Len
     >>> round(second_order_elevation(0.1, 1.0, 100.0, 0.0) - 0.1, 6)  # a^2 k/2 in deep water
     0.005
     """
+    require_positive("wavenumber", wavenumber)
+    require_positive("depth", depth)
     deep = min(wavenumber * depth, DEEPEST)
     shape = math.cosh(deep) * (2.0 + math.cosh(2.0 * deep)) / math.sinh(deep) ** 3
     return amplitude * math.cos(phase) + 0.25 * amplitude**2 * wavenumber * shape * math.cos(2.0 * phase)
