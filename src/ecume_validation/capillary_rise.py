@@ -104,8 +104,8 @@ def column(frame: Frame, scene: SphScene) -> float:
 
 
 def height(trough: Trough, times: Array) -> Array:
-    """The height h of the column over time, from rest: (h + l + k d/w) h'' + h'^2/2 + (12 nu (h + l)/d^2 + 3 nu k d/w^3
-    + K nu/d) h' = 2 s/d - s/w - g (h - k), with the level k = h_0 - (h - h_0) d/w of the reservoir.
+    """The height h of the column over time, from rest: (h + l + k d/w) h'' + |h'| h'/2 + (12 nu (h + l)/d^2
+    + 3 nu k d/w^3 + K nu/d) h' = 2 s/d - s/w - g (h - k), with the level k = h_0 - (h - h_0) d/w of the reservoir.
 
     d, l: width of the gap, length of the way to it; w: width of the reservoir, one of whose walls is wetted and not
     slippery; s: tension times cosine over density; K: friction of the contact lines. With l = w^-1 = K = g = 0 it is
