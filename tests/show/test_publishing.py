@@ -138,6 +138,14 @@ def test_times_have_a_suitable_unit_and_round_ticks(end, unit, seconds):
     assert 3 < len(axes.get_xticklabels()) < 15
 
 
+@pytest.mark.parametrize(("ends", "unit"), [((1e5, 1e5 + 3.0), "s"), ((1.8e4, 2.16e4), "h"), ((-0.03, 0.0), "ms")])
+def test_a_short_part_of_a_long_time_has_the_unit_of_its_length(ends, unit):
+    made = figure(6.4, 4.0)
+    axes = made.add_subplot(xlabel="time (s)", xlim=ends)
+    finished(made, Finish())
+    assert axes.get_xlabel() == f"time ({unit})"
+
+
 def test_lengths_and_logarithms_stay_as_they_are():
     made = figure(6.4, 4.0)
     length, lag = made.subplots(1, 2)

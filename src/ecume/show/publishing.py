@@ -125,8 +125,9 @@ class _TimeLocator(MaxNLocator):
 
 def _show_times(axes: Axes) -> None:
     """Label a linear axis over seconds in a suitable unit; the data stay in seconds."""
-    label = axes.get_xlabel()
-    unit = time_unit(max(map(abs, axes.get_xlim())))
+    label, (low, high) = axes.get_xlabel(), axes.get_xlim()
+    # Where an axis shows a short part of a long time, a unit for the whole would have ticks of many digits.
+    unit = time_unit(min(max(abs(low), abs(high)), 100.0 * abs(high - low)))
     if not label.endswith(" (s)") or axes.get_xscale() != "linear" or unit.name == "s":
         return
     axes.set_xlabel(f"{label.removesuffix('(s)')}({unit.name})")
