@@ -98,7 +98,7 @@ def matrix(options, refusals):
 MARKED = re.compile(r"(?<=<!-- option pairs -->\n).*?(?=\n<!-- end -->)", re.DOTALL)
 
 
-def told(options, text):
+def stated_in(options, text):
     """The entry of a matrix for each pair: None for two choices of one key, the reason of a refusal, or empty."""
     meanings = {"=": None, "·": ""} | dict(re.findall(r"^- (a?[a-z]): (.*)$", text, re.MULTILINE))
     rows = re.findall(r"^\| \d+ .*\|$", text, re.MULTILINE)
@@ -126,7 +126,7 @@ class Pairs:
         self.page, self.options, self.plain_of, self.laws = DOCS / page, options, plain_of, laws
         self.names = list(itertools.combinations(options, 2))
         self._found = {}
-        self.told = told(options, section(self.page))
+        self.stated = stated_in(options, section(self.page))
 
     def outcome(self, one, other):
         """The frames, and the reason of a refusal; None if both options are choices of one key."""
@@ -139,7 +139,7 @@ class Pairs:
         """A pair works, or the page states why not; a pair that sets one key twice is skipped."""
         frames, reason = self.outcome(one, other)
         found = None if frames is None else reason
-        assert self.told.get((one, other), "") == found, f"{self.page.name} says otherwise; it is written by its test"
+        assert self.stated.get((one, other), "") == found, f"{self.page.name} says otherwise; it is written by its test"
         if frames is None:
             pytest.skip(f"both set {reason}")
         if not reason:

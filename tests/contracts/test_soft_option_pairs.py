@@ -162,7 +162,7 @@ def test_an_option_has_the_same_bits_in_threads(monkeypatch, option):
 
 def test_the_page_has_a_row_and_a_column_for_each_option():
     """What it says of each pair is compared above with what becomes of that."""
-    assert section(PAIRS.page) == matrix(OPTIONS, PAIRS.told)
+    assert section(PAIRS.page) == matrix(OPTIONS, PAIRS.stated)
 
 
 if __name__ == "__main__":

@@ -92,7 +92,7 @@ def test_a_pair_of_options_works_or_is_refused_for_a_reason(one, other):
 
 def test_the_page_has_a_row_and_a_column_for_each_option():
     """What it says of each pair is compared above with what becomes of that."""
-    assert section(PAIRS.page) == matrix(OPTIONS, PAIRS.told)
+    assert section(PAIRS.page) == matrix(OPTIONS, PAIRS.stated)
 
 
 if __name__ == "__main__":
