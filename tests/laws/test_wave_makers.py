@@ -21,9 +21,7 @@ def test_a_frequency_that_is_not_positive_is_refused():
         wavenumber_at(-1.0, 1.0, 9.81)
 
 
-@pytest.mark.parametrize(
-    "law", [piston_ratio, flap_ratio, lambda k, depth: second_order_elevation(0.1, k, depth, 0.0)]
-)
+@pytest.mark.parametrize("law", [piston_ratio, flap_ratio, lambda k, depth: second_order_elevation(0.1, k, depth, 0.0)])
 def test_water_without_depth_is_refused(law):
     with pytest.raises(BadInput, match="depth"):
         law(1.0, 0.0)
