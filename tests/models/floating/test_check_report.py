@@ -266,7 +266,7 @@ def test_fast_floats_are_told_what_their_inertia_lacks():
         floats_of(from_plain({**SCENE, "liquid": milk, "particles": [CEREAL], "hydrodynamics": {"added_mass": added}}))
         for added in (False, True)
     )
-    assert value == f"up to {100.0 * (heavy.mass[0] / light.mass[0] - 1.0):.2g} %"
+    assert value == f"up to {100.0 * (heavy.mass[0] / light.mass[0] - 1.0):.3g} %"
     assert "hydrodynamics.added_mass" in remark
     slow, moving = {"particles": [CEREAL | {"radius": 5e-5}]}, {"hydrodynamics": {"added_mass": True}}
     for change in (slow, moving, {"integration": {"integrator": "overdamped"}}):
