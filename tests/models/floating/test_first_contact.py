@@ -76,3 +76,23 @@ def test_check_says_that_a_contact_is_not_to_be_seen(change):
         two[1]["positions"] = [[2e-3, 0.0]]
     rows = {name: value for name, value, _ in summary(from_plain({**TWO, "duration": 0.2, "particles": two}))}
     assert rows["first contact"] == "not within 2 s"
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [
+        ({"magnetic_moment": 1e-6}, {"magnetic_moment": -1e-6}, {}),
+        ({"shape": {"kind": "ellipsoid", "width": 1e-3}}, {}, {}),
+        ({}, {}, {"flow": {"extension_rate": -5.0}}),
+    ],
+)
+def test_check_does_not_rule_out_contacts_by_other_forces_than_those_of_menisci(changes):
+    """Magnets, quadrupoles and flows may bring floats together whose menisci repel each other."""
+    one, other, around = changes
+    first = TWO["particles"][0]
+    two = [
+        {**first, **one, "positions": [[-2e-3, 0.0]]},
+        {**first, **other, "density": 500.0, "positions": [[2e-3, 0.0]]},
+    ]
+    scene = from_plain({**TWO, **around, "duration": 0.2, "particles": two})
+    assert "first contact" not in {name for name, *_ in summary(scene)}

@@ -13,8 +13,9 @@ from scipy.spatial import cKDTree
 
 from ecume.laws.drag import schiller_naumann_factor
 from ecume.models.expected_events import event_row
+from ecume.models.floating.forces.interactions import interactions_of
 from ecume.models.floating.forces.pair_forces import law_of, row_of, two_floats
-from ecume.models.floating.parameters import Parameters, State
+from ecume.models.floating.parameters import Parameters, State, is_driven
 from ecume.scenes.floating import FloatingScene
 from ecume.units import with_prefix
 
@@ -108,10 +109,20 @@ def contact_row(scene: FloatingScene, parameters: Parameters, state: State) -> l
     if time == math.inf and (apart := _nearest_distance(parameters, state)) > parameters.cutoff:
         far = f"{with_prefix(apart, 'm')} between the nearest two centers, beyond the cutoff: no float attracts another"
         return [("first contact", "not by attraction", far)]
-    if time == math.inf and min(_nearest_gaps(parameters, state).values(), default=0.0) > 0.0:
+    nearest = min(_nearest_gaps(parameters, state).values(), default=0.0)
+    if time == math.inf and nearest > 0.0 and _moved_by_pair_law(parameters):
         cause = "the nearest two floats, alone, repel each other or start too far apart for this duration"
         return [("first contact", f"not within {with_prefix(longest, 's')}", cause)]
     return event_row("first contact", time, (scene.duration, scene.frame_every), "of the nearest two floats, alone")
+
+
+def _moved_by_pair_law(parameters: Parameters) -> bool:
+    """Whether the pair law alone moves floats: no magnets, shapes, undulated discs, own laws, currents or other
+    driving.
+    """
+    parts = interactions_of(parameters)
+    plain = all(row.path.startswith("interaction.") and row.inertia(part) is None for part, row in parts)
+    return plain and not is_driven(parameters)
 
 
 def _nearest_distance(parameters: Parameters, state: State) -> float:
