@@ -57,10 +57,10 @@ def absolute_pressure(
     p_atm it is a gauge pressure. The sum is meaningful only for certain forces on the particles [batchelor1967]:
 
     1. Gravity acts, forces come from Tait's part alone (the usual scheme): at rest Tait's part is rho_0 g (H - y)
-    already, and this sum counts it TWICE: 2 rho_0 g H at the bottom. Use `tait_pressure`. 2. No gravity acts, forces
-    come from Tait's part alone: the sum is the pressure, in tanks that are closed or full, where no surface moves. With
-    a free surface, waves would not fall and dams would not break. 3. Gravity acts, forces come from the whole sum:
-    right while the surface stays at H, wrong where it leaves it.
+       already, and this sum counts it TWICE: 2 rho_0 g H at the bottom. Use `tait_pressure`.
+    2. No gravity acts, forces come from Tait's part alone: the sum is the pressure, in tanks that are closed or full,
+       where no surface moves. With a free surface, waves would not fall and dams would not break.
+    3. Gravity acts, forces come from the whole sum: right while the surface stays at H, wrong where it leaves it.
 
     In 2 and 3 the second term should have rho_0, see `hydrostatic_pressure`; with rho, as here, the forces at rest are
     off by drho/rho_0. `hydrostatic_fault` determines the case of a run.
