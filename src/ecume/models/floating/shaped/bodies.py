@@ -370,15 +370,24 @@ def turn_bodies_with_current(
     """Add to velocities and spins the change of the drag of the flow until the middle of the step: the midpoint rule of
     bodies without inertia.
     """
-    before = scratch.drag.copy()
+    before, half = scratch.drag.copy(), 0.5 * parameters.time_step
+    turned = scratch.angle + half * velocity[: len(before), 2]
     drag_along(part, scratch, parameters, state, velocity, 0.5)
     for i in range(len(before)):
-        c, s, change = math.cos(scratch.angle[i]), math.sin(scratch.angle[i]), scratch.drag[i] - before[i]
-        along = (c * change[0] + s * change[1]) / part.friction[i, 0]
-        across = (c * change[1] - s * change[0]) / part.friction[i, 1]
-        velocity[i, 0] += c * along - s * across
-        velocity[i, 1] += s * along + c * across
-        velocity[i, 2] += change[2] / part.friction[i, 2]
+        # Each drag is divided by the frictions at its own angle: a body that turns in a uniform flow goes straight.
+        last_x, last_y = carried_along(part, i, turned[i], scratch.drag[i])
+        x, y = carried_along(part, i, scratch.angle[i], before[i])
+        velocity[i, 0] += last_x - x
+        velocity[i, 1] += last_y - y
+        velocity[i, 2] += (scratch.drag[i, 2] - before[i, 2]) / part.friction[i, 2]
+
+
+@compiled
+def carried_along(part: RigidKicks, i: int, angle: float, drag: Array) -> tuple[float, float]:
+    """The velocity at which the drag on a body at this angle is balanced by its frictions along and across itself."""
+    c, s = math.cos(angle), math.sin(angle)
+    along, across = (c * drag[0] + s * drag[1]) / part.friction[i, 0], (c * drag[1] - s * drag[0]) / part.friction[i, 1]
+    return c * along - s * across, s * along + c * across
 
 
 @compiled
