@@ -10,6 +10,7 @@ import pytest
 from ecume.laws.contact_lines import elongation, spin_in_flow
 from ecume.models import MODELS
 from ecume.models.floating.setup.kinds import float_kinds
+from ecume.models.floating.time_integration.integration import forces_at
 from tests.models import begun
 from tests.models.floating.bowls import scene_of
 
@@ -143,7 +144,7 @@ def test_a_body_in_a_moving_dish_is_left_behind_less_across_itself():
 
 
 def test_an_ellipsoid_that_turns_while_a_flow_carries_it_follows_the_flow():
-    """Its frictions turn with it. If those of the beginning of a step are kept, its path is off by 0.002 of its length."""
+    """Its frictions turn with it. With those of the beginning of a step its path is off by 0.002 of its length."""
     speed, rate, time = 2e-3, 4.0, 0.4
     rest = f"[flow]\nvelocity = [{speed}, 0.0]\nrotation_rate = {rate}\n{ALONE}"
     rest += '[integration]\nintegrator = "overdamped"\ntime_step = 5e-3\n'
@@ -152,3 +153,22 @@ def test_an_ellipsoid_that_turns_while_a_flow_carries_it_follows_the_flow():
     expected = speed / rate * np.array([math.sin(rate * time), 1.0 - math.cos(rate * time)])
     assert state.position[0] == pytest.approx(expected, abs=2e-4 * np.hypot(*expected))
     assert state.turning[0, 0] == pytest.approx(0.5 + rate * time, rel=1e-9)
+
+
+def test_the_force_of_an_exact_profile_on_a_body_along_the_wall_is_the_slope_of_its_energy():
+    """Its charges are nearer to the wall than its radius; the table of the wall reaches there."""
+    dish = '[dish]\nradius = 0.02\nlaw = "profile"\ncontact_angle = 0.5\n'
+    shift, place = 1e-7, 0.02 - 2.2e-4
+    found = []
+    for x in (place - shift, place, place + shift):
+        scene = scene_with(beads([(x, 0.0)], at(0.5 * math.pi)), dish, duration=1.0, frame_every=1.0)
+        parameters, state, workspace = begun(scene)
+        found.append(
+            (
+                forces_at(parameters, state.position, workspace)[0, 0],
+                FLOATING.observe(parameters, state, workspace).numbers["wall_energy"],
+            )
+        )
+    (_, before), (force, _), (_, behind) = found
+    assert force == pytest.approx((before - behind) / (2.0 * shift), rel=1e-6)
+    assert abs(force) > 1e-7

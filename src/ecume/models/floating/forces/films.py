@@ -27,7 +27,7 @@ from ecume.laws.drag import pair_factor
 from ecume.laws.pair_mobility import rotne_prager
 from ecume.models.floating.coupled.mobility import MobilityOfEach, apply, closing
 from ecume.models.floating.options import Built
-from ecume.models.floating.parameters import Parameters, State, Workspace, copy_rows
+from ecume.models.floating.parameters import Parameters, State, Workspace, advance_rows, copy_rows
 from ecume.models.liquids import liquid_of
 from ecume.units import Array
 
@@ -211,10 +211,13 @@ def apply_films(
     """Apply films to the velocities after a kick, and after the first one to the midstep velocities, too."""
     pairs = find_films(part, parameters, state.position, workspace.lists)
     if len(pairs.friction) > 0:
-        motion = state.velocity.reshape(-1)
+        motion, midstep_velocity = state.velocity.reshape(-1), workspace.midstep_velocity
+        # The current moves floats by its change until the middle of the step, too, which is not in the velocities.
+        ahead = midstep_velocity[: len(state.velocity)] - state.velocity
         solve_with_films(MobilityOfEach(parameters.kick.gain), pairs, motion, np.zeros(len(motion)))
         if first and not parameters.scheme.drifts_first:
-            copy_rows(workspace.midstep_velocity, state.velocity)
+            copy_rows(midstep_velocity, state.velocity)
+            advance_rows(midstep_velocity, ahead, 1.0)
 
 
 def films_of(parameters: Parameters, scene: FloatingScene) -> Built:

@@ -46,9 +46,10 @@ from ecume.models.floating.setup.hydrodynamic_interaction import (
     warn_of_fast_floats,
 )
 from ecume.models.floating.setup.initial_state import boundary_of, periods_in, require_room
-from ecume.models.floating.setup.kinds import floats_of, moments_of
+from ecume.models.floating.setup.kinds import distinct_kinds, floats_of, moments_of
 from ecume.models.floating.setup.places import given_places, region_of
 from ecume.models.floating.shaped.bodies import RigidKicks
+from ecume.models.floating.shaped.shapes import covered_by_outline
 from ecume.models.floating.time_integration.integrators import (
     INTEGRATORS,
     INTEGRATORS_BY_CONSTANTS,
@@ -183,7 +184,7 @@ def _without_parts(scene: FloatingScene, chosen: Chosen, longer: float) -> Param
         walls=walls,
         wall_law=wall_law_of(scene),
         wall_strength=wall_strengths(scene, floats),
-        wall_table=wall_table_of(scene, (smallest, largest)),
+        wall_table=wall_table_of(scene, (min([smallest, *_covers(scene)]), largest)),
         image_strength=capillarity.pair_strength(liquid.surface_tension, 1.0, 1.0) if mirrored else 0.0,
         restitution=_restitution(scene),
         wall_restitution=scene.dish.restitution if scene.dish is not None else 0.0,
@@ -195,6 +196,12 @@ def _without_parts(scene: FloatingScene, chosen: Chosen, longer: float) -> Param
         periods=periods_in(scene),
         passing=scene.contacts.law == "none",
     )
+
+
+def _covers(scene: FloatingScene) -> list[float]:
+    """The smallest distances of charges inside floats with a shape from walls (m): below the radius of such a float."""
+    figures = [kind.figure for kind in distinct_kinds(scene)[0]] if scene.shaped else []
+    return [covered_by_outline(figure) for figure in figures if figure is not None]
 
 
 def _reach_of_pairs(scene: FloatingScene, row: PairLaw, length: float, largest: float) -> float:

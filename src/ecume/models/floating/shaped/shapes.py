@@ -198,6 +198,12 @@ def inner_radius(skeleton: Skeleton) -> float:
     return float(np.hypot(*silhouette(skeleton).T).min())
 
 
+def covered_by_outline(figure: Figure) -> float:
+    """The smallest distance of the charges of a body from its outline, and thus from any wall (m)."""
+    apart = silhouette(figure.skeleton)[:, None] - charges_of(figure)[0]
+    return float(np.hypot(apart[..., 0], apart[..., 1]).min())
+
+
 def silhouette(skeleton: Skeleton, count: int = 120) -> Array:
     """(count, 2) points of the outline in the frame of the body: each ray from its center crosses it once."""
     turn = 2.0 * math.pi * np.arange(count) / count
