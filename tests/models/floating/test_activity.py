@@ -32,7 +32,7 @@ def swimmers(activity, *, count=1, more=SLOW + ALONE, **times):
 @pytest.mark.long
 def test_a_random_force_is_stationary_and_forgets_at_its_rate():
     dice, count = np.random.default_rng(1), 20_000
-    part = Activity(np.full(count, 3.0), 0.7, np.zeros(count), np.full(count, 0.4), np.full(count, 1.5), 5)
+    part = Activity(np.full(count, 3.0), 0.7, np.zeros(count), np.full(count, 0.4), np.full(count, 1.5), 5, False)
     own = ActivityScratch(dice.normal(size=(count, 3)), np.zeros((count, 0)), np.zeros((count, 2)))
     parameters, state, _ = begun(swimmers("propulsion = 1e-12\n"))
     parameters = parameters._replace(time_step=0.3)
