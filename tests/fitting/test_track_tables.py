@@ -302,6 +302,18 @@ def test_text_instead_of_a_number_is_no_lost_spot(tmp_path):
         read_tracks(file)
 
 
+@pytest.mark.parametrize(("units", "what"), [("s,mm,,", "line 2, time: got 's'"), (",mm,,A", "line 2, x: got 'mm'")])
+def test_a_unit_of_one_coordinate_is_no_lost_spot(units, what, tmp_path):
+    """Such a line was taken as a spot that was not seen, and millimeters as meters."""
+    file = tmp_path / "tracks.csv"
+    rows = "".join(f"{t},{x},{y},1\n" for t, (x, y) in zip(TIMES, ONE, strict=True))
+    file.write_text(f"t,x,y,id\n{units}\n0.5,,,1\n,nan,3.0,1\n{rows}")
+    with pytest.raises(BadInput, match=what):
+        read_tracks(file)
+    file.write_text(f"t,x,y,id\n0.5,,,1\n,nan,3.0,1\n{rows}")
+    assert read_tracks(file).names == ("1",)
+
+
 @pytest.mark.parametrize("head", ["TRACK ID", "Track ID", "trackID", "track_id", "TrackID", "Particle ID"])
 def test_names_of_columns_are_read_with_blanks_and_without(head, tmp_path):
     file = tmp_path / "tracks.csv"

@@ -490,10 +490,14 @@ def _spots(body: Sequence[tuple[int, list[str]]], columns: Mapping[str, Column])
         if len(row) <= max(column.place for column in columns.values()):
             raise ValueError(f"line {number}: {len(row)} cells are fewer than in the head")
         who = row[columns["object"].place].strip()
-        lost = any(row[columns[kind].place].strip().lower() in NO_OBJECT for kind in ("x", "y"))
-        if not lost:  # text instead of numbers is also an error in spots without a track
-            when, x, y = (_number(number, kind, row, columns[kind]) for kind in ("time", "x", "y"))
-            found += [(_named(who), when, x, y)] * (who.lower() not in NO_OBJECT)
+        cells = {kind: row[columns[kind].place].strip().lower() for kind in ("time", "x", "y")}
+        lost = cells["x"] in NO_OBJECT or cells["y"] in NO_OBJECT
+        # Text instead of a number is also an error in spots that are lost or without a track: it may be a unit.
+        read = [kind for kind, cell in cells.items() if not (lost and cell in NO_OBJECT)]
+        values = [_number(number, kind, row, columns[kind]) for kind in read]
+        if not lost and who.lower() not in NO_OBJECT:
+            when, x, y = values
+            found.append((_named(who), when, x, y))
     if not found:
         raise ValueError("has no rows below the header")
     return found

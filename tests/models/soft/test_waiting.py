@@ -109,6 +109,9 @@ def test_rates_with_too_few_frames_to_be_found_stationary_are_refused():
         packing(duration=5.0, frame_every=0.1, protocol=[
             {"time": 0.0, "rate_steps": {"rates": [1.0, 0.5], "strain": 1.0, "stationary_within": 0.05}}])  # fmt: skip
     assert "1 /s has 10 in a strain of 1; expected 50 or more: a frame_every of 0.02 s" in str(caught.value)
+    with pytest.raises(SceneError, match=r"1 /s has 37 in a strain of 1; .* a frame_every of 0.01 s"):
+        packing(duration=5.0, frame_every=1.0 / 75.0, protocol=[  # 50 frames at 1.5 /s, and every second one at 1 /s
+            {"time": 0.0, "rate_steps": {"rates": [1.5, 1.0], "strain": 1.0, "stationary_within": 0.05}}])  # fmt: skip
     with pytest.raises(SceneError) as caught:
         packing(duration=5.0, frame_every=0.01, protocol=[
             {"time": 0.0, "rate_steps": {"rates": [1.0], "strain": 1.0, "stationary_within": 0.05}},

@@ -15,7 +15,7 @@ import numpy as np
 from ecume.engine.cells import Integers
 from ecume.engine.stationarity import is_stationary, is_tested
 from ecume.models.soft.protocol import STRAIN, Protocol, at_frames
-from ecume.scenes.soft.protocol import SAME
+from ecume.scenes.soft.protocol import SAME, stride
 from ecume.units import Array
 
 RUNNING, UNSETTLED, STATIONARY = range(3)
@@ -46,8 +46,8 @@ def strides_of(protocol: Protocol) -> Integers:
     """(W,) of how many frames one is tested: all rates of a moment are tested at about the same strains."""
     rates = rates_of(protocol)
     speed, group = np.abs(protocol.courses[rates, STRAIN, 1]), protocol.groups[rates]
-    fastest = np.array([speed[group == own].max() for own in group])
-    return np.asarray(np.maximum(np.rint(fastest / speed), 1.0), np.int64)
+    fastest = [float(speed[group == own].max()) for own in group]
+    return np.array([stride(most, own) for most, own in zip(fastest, speed.tolist(), strict=True)], np.int64)
 
 
 def make_waiting(protocol: Protocol, frame_every: float) -> Waiting:

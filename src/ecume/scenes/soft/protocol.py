@@ -94,6 +94,17 @@ class RateStepsSpec:
         """The duration of each rate (s)."""
         return tuple(self.strain / abs(rate) for rate in self.rates)
 
+    @property
+    def strides(self) -> tuple[int, ...]:
+        """Of how many frames at each rate one is tested: see `stride`."""
+        fastest = max(map(abs, self.rates))
+        return tuple(stride(fastest, abs(rate)) for rate in self.rates)
+
+
+def stride(fastest: float, speed: float) -> int:
+    """Of how many frames at this rate one is tested, so that all rates are tested at about the same strains."""
+    return max(round(fastest / speed), 1)
+
 
 EXCLUSIVE = (
     ("shear_rate", "shear_stress", "rate_steps"),
@@ -257,7 +268,7 @@ def _unknown_strains(stages: Sequence[StageSpec]) -> Complaints:
     return [
         (
             (index, "strain"),
-            "cannot be reached after rates with stationary_within; expected shear_rate, or none of both",
+            "cannot be reached after rates with stationary_within; expected shear_rate, or neither",
         )
         for index, stage in enumerate(stages)
         if stage.strain is not None and waits(stages[:index])

@@ -601,12 +601,17 @@ def _untested(index: int, stage: StageSpec, scene: SoftScene) -> Complaints:
     steps = stage.rate_steps
     if steps is None or steps.stationary_within is None:
         return []
-    fewest = math.floor(min(steps.spans) / scene.frame_every * (1.0 + 1e-9))
-    if fewest >= FEWEST:
+    counts = [
+        span / scene.frame_every / each * (1.0 + 1e-9) for span, each in zip(steps.spans, steps.strides, strict=True)
+    ]
+    if min(counts) >= FEWEST:
         return []
-    fastest = max(map(abs, steps.rates))
-    cause = f"is tested at frames, of which {fastest:g} /s has {fewest} in a strain of {steps.strain:g}; expected "
-    cause += f"{FEWEST} or more: a frame_every of {min(steps.spans) / FEWEST:.3g} s or less, or a larger strain"
+    place = counts.index(min(counts))
+    most = steps.spans[place] / steps.strides[place] / FEWEST
+    cause = (
+        f"is tested at frames, of which {abs(steps.rates[place]):g} /s has {math.floor(counts[place])} in a strain of "
+    )
+    cause += f"{steps.strain:g}; expected {FEWEST} or more: a frame_every of {most:.3g} s or less, or a larger strain"
     return [((index, "rate_steps", "stationary_within"), cause)]
 
 
