@@ -15,6 +15,7 @@ import numpy as np
 
 from ecume.analysis.rheology import Divergence, viscosity_divergence
 from ecume.analysis.series import Mean
+from ecume.errors import BadInput
 from ecume.scenes.schema import Scene
 from ecume_validation import rheology
 from ecume_validation.rheology import Piece, kept, sheared
@@ -115,7 +116,7 @@ def _rows_of_jamming(pieces: Mapping[Flow, Piece]) -> Iterator[Row]:
     yield within(f"{name}, ± {end.error:.3f}; Olsson and Teitel", end.value, JAMMED, 0.02)
     end = pressed.fraction
     yield within(f"{name} from the pressure, ± {end.error:.3f}; Olsson and Teitel", end.value, JAMMED, 0.02)
-    worst = max(one.misfit for one in (smooth, pressed, rough))
+    worst = float(np.max([one.misfit for one in (smooth, pressed, rough)]))
     yield below("largest misfit of the divergences, per degree of freedom", worst, 3.0)
     yield above(f"{name}, above the fraction that thickens", smooth.fraction.value, DENSE)
     end = rough.fraction
@@ -160,7 +161,13 @@ def pressure_viscosity(piece: Piece) -> Mean:
 
 
 def jamming(pieces: Mapping[Flow, Piece], law: str, diverging: Callable[[Piece], Mean] = viscosity) -> Divergence:
-    """The volume fraction at which a viscosity diverges; the exponent is fitted as well."""
+    """The volume fraction at which a viscosity diverges; the exponent is fitted as well. NaN, which meets no row, where
+    the viscosities do not determine it.
+    """
     flows = DIVERGING[law]
     fractions = np.array([flow.fraction for flow in flows])
-    return viscosity_divergence(fractions, [diverging(pieces[flow]) for flow in flows])
+    try:
+        return viscosity_divergence(fractions, [diverging(pieces[flow]) for flow in flows])
+    except BadInput:
+        unknown = Mean(math.nan, math.nan)
+        return Divergence(unknown, unknown, unknown, math.nan)

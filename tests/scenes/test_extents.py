@@ -50,3 +50,15 @@ def test_corners_in_the_file_count_too(tmp_path):
     done = CliRunner().invoke(app, ["check", str(file)])
     assert done.exit_code == 2
     assert "obstacles[0]: is 600 × 400 m" in done.output
+
+
+def test_a_sweep_refuses_it_before_the_first_run(tmp_path):
+    drawn(tmp_path / "tank.dxf")
+    (tmp_path / "tank.toml").write_text(SCENE.format(spacing="2 cm", tank='outline_from = "tank.dxf"', more=""))
+    (tmp_path / "sweep.toml").write_text(
+        'scene = "tank.toml"\nmeasures = ["max front"]\n[[axes]]\nkey = "spacing"\nvalues = ["4 cm", "2 cm"]\n'
+    )
+    done = CliRunner().invoke(app, ["sweep", str(tmp_path / "sweep.toml"), "-o", str(tmp_path / "all")])
+    assert done.exit_code == 2
+    assert "tank: is 600 × 400 m" in done.output
+    assert not (tmp_path / "all").exists()
