@@ -116,4 +116,4 @@ def test_rates_with_too_few_frames_to_be_found_stationary_are_refused():
         packing(duration=5.0, frame_every=0.01, protocol=[
             {"time": 0.0, "rate_steps": {"rates": [1.0], "strain": 1.0, "stationary_within": 0.05}},
             {"time": 2.0, "strain": 3.0}])  # fmt: skip
-    assert "cannot be reached after rates with stationary_within" in str(caught.value)
+    assert "is unknown after rates with stationary_within" in str(caught.value)

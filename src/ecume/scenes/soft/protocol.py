@@ -268,7 +268,7 @@ def _unknown_strains(stages: Sequence[StageSpec]) -> Complaints:
     return [
         (
             (index, "strain"),
-            "cannot be reached after rates with stationary_within; expected shear_rate, or neither",
+            "is unknown after rates with stationary_within, which end early; expected shear_rate, or no strain",
         )
         for index, stage in enumerate(stages)
         if stage.strain is not None and waits(stages[:index])
