@@ -12,6 +12,7 @@ from ecume.models.user_laws import bind
 from ecume.scenes.common import UserLawSpec
 from ecume.scenes.schema import from_plain
 from ecume.simulation import simulate
+from ecume.units import with_prefix
 from tests.models.floating.bowls import WATER, bowl, scene_of, two_floats
 
 pytestmark = pytest.mark.long
@@ -174,6 +175,8 @@ def test_a_stiff_law_shortens_the_time_step():
         model.parameters(three_kinds()).time_step for model in (MODELS["floating"], bound(1e-12), bound(1e-4))
     )
     assert plain == weak > 2.0 * strong
+    (row,) = (row for row in bound(1e-4).summary(three_kinds()) if row[0] == "time step")
+    assert row[1] == with_prefix(strong, "s")
 
 
 def sized(distance: float, parameters: Any) -> float:
@@ -244,6 +247,9 @@ def test_the_range_of_a_law_alone_is_its_own():
     short = MODELS["floating"].extended(bind(scene, [screened]))
     (part,) = [part for part in short.parameters(scene).parts.interactions if hasattr(part, "cutoff")]
     assert 9e-6 < part.cutoff < 1.3e-5  # where exp(-r / 1 um) has fallen to 1e-4 of its value at contact
+    with_menisci = from_plain({**plain, "interaction": {}})
+    with pytest.raises(SceneError, match=r'cell.size: got 40 µm .*the attraction reaches .*law = "none"'):
+        MODELS["floating"].extended(bind(with_menisci, [screened])).parameters(with_menisci)
 
 
 def screened(distance: float, parameters: PairParameters) -> float:

@@ -17,7 +17,7 @@ from ecume.models.floating.first_contact import contact_row
 from ecume.models.floating.forces.activity import Activity
 from ecume.models.floating.forces.ewald_grid import Split
 from ecume.models.floating.forces.flow_and_noise import fastest_at_nodes
-from ecume.models.floating.forces.interactions import interactions_of
+from ecume.models.floating.forces.interactions import Interaction, interactions_of
 from ecume.models.floating.forces.pair_forces import force_left, law_of, row_of, two_floats
 from ecume.models.floating.parameters import CAPILLARY_LENGTH, DRAG_LAWS, Parameters, distinct_rows, part_of
 from ecume.models.floating.setup.hydrodynamic_interaction import HYDRODYNAMICS, hydrodynamics_of, touching_reynolds
@@ -64,9 +64,12 @@ ARRAYS, NUMBERS = {"position": 2, "velocity": 2}, 16
 Row = tuple[str, str, str]
 
 
-def summary(scene: FloatingScene) -> list[Row]:
-    """Derived numbers: name, value with unit, remark. Raises SceneError if the run could not start."""
-    parameters = checked_parameters(scene)
+def summary(scene: FloatingScene, further: tuple[Interaction, ...] = ()) -> list[Row]:
+    """Derived numbers: name, value with unit, remark. Raises SceneError if the run could not start.
+
+    `further` are the interactions of user laws, which can shorten the time step.
+    """
+    parameters = checked_parameters(scene, further)
     state = start(scene, parameters)
     length = liquid_of(scene).capillary_length
     count = len(parameters.floats.radius)

@@ -152,7 +152,11 @@ FLOATS = Access(
 def extended(laws: Sequence[BoundLaw]) -> Model:
     """The floating model with pair laws of the user."""
     further = (interaction_of(laws),)
-    return dataclasses.replace(FLOATING, parameters=lambda scene: checked_parameters(scene, further))
+    return dataclasses.replace(
+        FLOATING,
+        parameters=lambda scene: checked_parameters(scene, further),
+        summary=lambda scene: summary(scene, further),
+    )
 
 
 FLOATING = Model(

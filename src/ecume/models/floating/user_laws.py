@@ -41,7 +41,7 @@ from ecume.models.user_laws import (
     require_kinds,
     sum_of_pair_laws,
 )
-from ecume.units import Array
+from ecume.units import Array, with_prefix
 
 if TYPE_CHECKING:
     from ecume.scenes.floating import FloatingScene
@@ -120,13 +120,14 @@ def interaction_of(laws: Sequence[BoundLaw]) -> Interaction:
             masks_of(laws, len(scene.kinds)), floats.species, floats.radius, floats.charge, parameters.cutoff,
             float(parameters.pair[CAPILLARY_LENGTH]), float(parameters.pair[SURFACE_TENSION]),
         )  # fmt: skip
-        part = part._replace(cutoff=range_of(total, part, parameters, scene.interaction.accuracy))
+        reach = range_of(total, part, parameters, scene.interaction.accuracy)
+        part = part._replace(cutoff=max(reach, parameters.cutoff))
         periods = parameters.periods[0]
-        if np.any(periods) and 2.0 * part.cutoff > periods[periods > 0.0].min():
+        if np.any(periods) and 2.0 * reach > periods[periods > 0.0].min():
             raise scene_error(
                 "cell",
-                f"a user law acts up to {part.cutoff:.4g} m, beyond the nearest images; expected "
-                f"sides of at least {2.0 * part.cutoff:.4g} m, or a larger interaction.accuracy",
+                f"a user law acts up to {with_prefix(reach, 'm')}, beyond the nearest images; expected "
+                f"sides of at least {with_prefix(2.0 * reach, 'm')}, or a larger interaction.accuracy",
             )
         return Built(part, shortest_time(total, part, parameters), reach=part.cutoff)
 
@@ -209,10 +210,10 @@ evaluated.
 
 
 def range_of(total: Any, part: Any, parameters: Parameters, accuracy: float) -> float:
-    """The distance (m) beyond which the laws are smaller than this fraction of their largest value; at least the cutoff
-    of the scene, at most the width of the dish.
+    """The distance (m) beyond which the laws are smaller than this fraction of their largest value, at most the width
+    of the dish; 0 for laws that act on no pair.
     """
-    widest, found = 2.0 * surfaces.farthest(parameters.walls), parameters.cutoff
+    widest, found = 2.0 * surfaces.farthest(parameters.walls), 0.0
     for touching, pair, mask, _ in pairs_of_kinds(part, parameters):
         distances = np.geomspace(touching, max(min(widest, MOST_RADII * touching), 2.0 * touching), PLACES)
         force = np.abs([float(total(distance, pair, mask)) for distance in distances.tolist()])
