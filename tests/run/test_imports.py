@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 
 from ecume.analysis.series import PathWarning, tracks
-from ecume.errors import BadInput, RunExists
+from ecume.errors import BadInput, RunExists, SceneError
 from ecume.run import resume, verify
-from ecume.run.imports import Alike, import_run
+from ecume.run.imports import Alike, NoUnit, import_run
 from ecume.scenes.load import load_scene
 from ecume.simulation import simulate
 from ecume.trajectories.exports import export
@@ -258,7 +258,8 @@ ITEM: ATOMS type radius x y
     ("changed", "message"),
     [
         ({"side": 90}, r"frame 2: the periodic box is 0\.09 x 0\.08 m; expected 0\.1 x 0\.08 m as in frame 0"),
-        ({"step": 25}, "frame 2: is 15 steps .* the frames so far are 12.5 apart; expected equal intervals"),
+        ({"step": 25}, "frame 2: is 15 steps .* the frames so far are 10 apart; expected equal intervals"),
+        ({"step": 5}, "frame 2: is before the one before it; expected frames in order of time"),
         ({"step": 10}, "frame 2: is 0 steps"),
         ({"kinds": "21"}, "frame 2: particle 1 is of type 2, and of type 1 in frame 0; expected the same order"),
     ],
@@ -273,6 +274,31 @@ def test_frames_that_a_run_cannot_have_are_refused(changed, message, tmp_path):
     with pytest.raises(BadInput, match=message):
         import_run(tmp_path / "cell.toml", tmp_path / "run", overrides=["duration=0.2"])
     assert not (tmp_path / "run").exists()
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "message"),
+    [
+        ("ITEM: NUMBER OF ATOMS\n2", "ITEM: NUMBER OF ATOMS\n0", "line 4: has a frame without particles"),
+        ("ITEM: BOX BOUNDS", "ITEM: BOX", "has a frame without ITEM: BOX BOUNDS"),
+    ],
+)
+def test_a_fault_of_the_first_frame_is_placed_in_the_scene(old, new, message, tmp_path):
+    """It was reported as one of --set, which nobody gave."""
+    text = "".join(FRAME.format(step=step, side=100, kinds="11") for step in (0, 10))
+    (tmp_path / "some.dump").write_text(text.replace(old, new, 1))
+    (tmp_path / "cell.toml").write_text(CELL.format(file="some.dump"))
+    with pytest.raises(SceneError, match=rf"cell\.toml: line \d+, column 1: start_from\.file: .*{message}") as caught:
+        import_run(tmp_path / "cell.toml", tmp_path / "run")
+    assert "--set" not in str(caught.value)
+
+
+def test_velocities_without_a_unit_are_reported(bowl, tmp_path):
+    path = bowl[0]
+    shutil.copy(path.with_name("bowl.lammpstrj"), tmp_path)
+    (tmp_path / "bowl.toml").write_text(path.read_text().replace('time_unit = "1 ms"\n', ""))
+    with pytest.warns(NoUnit, match=r"bowl.lammpstrj: its velocities are ignored; start_from.time_unit"):
+        import_run(tmp_path / "bowl.toml", tmp_path / "run")
 
 
 def test_times_that_a_file_rounds_are_equal_intervals():
@@ -338,7 +364,7 @@ def test_paths_across_a_cell_survive_the_export_to_xyz_and_the_import(tmp_path):
     expected = imported(tmp_path, "hops.dump", hopping("flags"))
     export(tmp_path / "run", "xyz", tmp_path / "hops.xyz")
     (tmp_path / "cell.toml").write_text(CELL.format(file="hops.xyz").replace("1 mm", "1 m"))
-    import_run(tmp_path / "cell.toml", tmp_path / "again", overrides=["duration=0.2"])
+    import_run(tmp_path / "cell.toml", tmp_path / "again", overrides=["duration=0.2", "start_from.time_unit='1 s'"])
     with open_trajectory(tmp_path / "again") as found:
         assert 1e3 * tracks(found) == pytest.approx(expected)
 

@@ -456,7 +456,8 @@ def test_a_file_of_hoomd_with_diameters_of_1_says_what_it_omits(folder: Path) ->
         frame.particles.N, frame.particles.types, frame.particles.typeid = 2, ["A", "B"], [0, 1]
         frame.particles.position, frame.particles.diameter = [[1, 2, 0], [5, 2, 0]], [1, 1]
         file.append(frame)
-    assert "GSD omits diameters that are all 1" in faults(folder, FLOATS.format(file="ones.gsd", more=""))[0]
+    for name in ("ones.gsd", "ones.gsd@0"):
+        assert "GSD omits diameters that are all 1" in faults(folder, FLOATS.format(file=name, more=""))[0]
 
 
 DUMP = """\
@@ -497,6 +498,8 @@ def test_a_compressed_text_is_the_text(folder: Path, file: str) -> None:
     assert loaded(folder, TRACERS.format(file=f"{file}.gz", height="")) == plain
     (folder / f"{file}.gz").write_bytes(b"no archive")
     assert "cannot be decompressed" in faults(folder, TRACERS.format(file=f"{file}.gz", height=""))[0]
+    (folder / "start.gsd.gz").write_bytes(gzip.compress(b"GSD"))
+    assert "decompress it: gunzip start.gsd.gz" in faults(folder, TRACERS.format(file="start.gsd.gz", height=""))[0]
     (folder / f"{file}.gz").write_bytes(gzip.compress(bytes(65 * 2**20)))
     assert "holds more than 64 MiB" in faults(folder, TRACERS.format(file=f"{file}.gz", height=""))[0]
 

@@ -7,6 +7,7 @@ from __future__ import annotations
 import dataclasses
 import os
 import shutil
+import warnings
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
@@ -17,14 +18,14 @@ from numpy.typing import NDArray
 from ecume.analysis.boxes import Box, nearest
 from ecume.analysis.series import warn_of_far_moves
 from ecume.engine.cells import into_box, periods_of
-from ecume.errors import BadInput, Stopped
+from ecume.errors import BadInput, SceneError, Stopped
 from ecume.models import MODELS
 from ecume.models.model import DONE, EXCHANGE, Engine, Model
 from ecume.run.directory import RunDirectory, refuse_existing
 from ecume.run.lock import put_in_place
 from ecume.run.progress import Progress
 from ecume.run.runner import RunOptions, RunResult, run
-from ecume.scenes.load import load_scene, parsed, source_of
+from ecume.scenes.load import Source, assembled, parsed, placed, source_of
 from ecume.scenes.overrides import overridden
 from ecume.scenes.schema import Scene
 from ecume.scenes.starts import RUN, all_frames
@@ -48,6 +49,10 @@ SAME_INTERVAL = 0.05
 """The same of times between frames, which files round: those of 30 frames a second in ms are 33 and 34."""
 
 
+class NoUnit(UserWarning):
+    """Numbers of a file are ignored, since the scene does not state their unit."""
+
+
 def import_run(
     scene: str | Path,
     directory: str | os.PathLike[str],
@@ -65,12 +70,15 @@ def import_run(
     source = source_of(scene)
     raw = parsed(source)
     overridden(raw, overrides)
-    name, series = all_frames(raw.get(RUN), source.folder)
+    every = all_frames(raw.get(RUN), source.folder)
+    name, series = every.name, every.in_si()
     if series.frames < 2:
         raise BadInput(f"{RUN}.file: {name} has one frame; a scene starts from it with `ecume run`")
-    first = load_scene(scene, [*overrides, f'{RUN}.file="{name}@0"'])
+    first = _starting_at(source, overrides, f"{name}@0")
     if reason := MODELS_OF_PARTICLES[first.model]:
         raise BadInput(f"{RUN}.file: {name} cannot become a run of the model {first.model!r}: {reason}")
+    if every.ignores_velocities:
+        warnings.warn(f"{name}: its velocities are ignored; {RUN}.time_unit states their unit", NoUnit, stacklevel=2)
     whole = first.replace("duration", (series.frames - 1) * first.frame_every)
     options = RunOptions(
         threads=1, progress=progress, engine=Engine(reader_of(whole, name, series)), imported=Path(name).name
@@ -88,6 +96,17 @@ def import_run(
     finally:
         shutil.rmtree(beside.path, ignore_errors=True)
     return done._replace(directory=home.path)
+
+
+def _starting_at(source: Source, overrides: Sequence[str], frame: str) -> Scene:
+    """The scene that starts from a frame of its file. Raises SceneError."""
+    raw = parsed(source)
+    changed, faults = overridden(raw, overrides)
+    raw[RUN]["file"] = frame
+    scene, found = assembled(raw, source.folder)
+    if scene is None or faults:
+        raise SceneError(placed(source, [*faults, *found], changed), source.name)
+    return scene
 
 
 def reader_of(scene: Scene, name: str, series: Series) -> Callable[[Model], Model]:
@@ -167,11 +186,14 @@ class Alike:
             )
 
     def _require_interval(self, now: float | None, frame: int) -> None:
-        """Raise BadInput if the time between two frames differs from the mean of the earlier frames."""
+        """Raise BadInput if the time between two frames differs from the mean of the earlier frames, or is negative."""
         if now is None or self.first is None or self.last is None:
             return
-        usual, interval = (now - self.first) / frame, now - self.last
-        if abs(interval - usual) > SAME_INTERVAL * max(abs(usual), abs(interval)):
+        interval = now - self.last
+        usual = (self.last - self.first) / (frame - 1) if frame > 1 else interval
+        if interval < 0.0:
+            raise BadInput(f"{self.name}: frame {frame}: is before the one before it; expected frames in order of time")
+        if abs(interval - usual) > SAME_INTERVAL * max(usual, interval):
             raise BadInput(
                 f"{self.name}: frame {frame}: is {interval:g} steps or units of time after the one before, and the "
                 f"frames so far are {usual:g} apart; expected equal intervals, which are frame_every of the run: leave "

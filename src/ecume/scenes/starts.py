@@ -45,6 +45,8 @@ FORMATS = {
     ".dump": "dump", ".lammpstrj": "dump", ".yaml": "dump", ".yml": "dump", ".dcd": "dcd",
 }  # fmt: skip
 """The format of a file, by the end of its name."""
+BINARY = {"gsd", "dcd"}
+"""The formats that are no texts."""
 ANOTHER_FRAME = re.compile(r"(.+)@(-?[0-9]{1,9})")
 FAR = 1e9
 """The number of sides beyond which positions are no longer moved into a periodic tank: they are faults of a file."""
@@ -185,6 +187,8 @@ def _frames_of(path: Folder, spec: StartSpec) -> Series:
         table = "; a table is named by particles_from" if path.suffix.lower() in (".csv", ".tsv", ".txt") else ""
         known = ", ".join(FORMATS)
         raise ValueError(f"has an unknown ending; expected one of {known}, or format in start_from{table}")
+    if kind in BINARY and path.suffix.lower() == COMPRESSED:
+        raise ValueError(f"is compressed, which only texts may be; decompress it: gunzip {path.name}")
     return series.FORMATS[kind](path, lambda each: text_of(each, MOST_BYTES))
 
 
@@ -194,11 +198,27 @@ def _format_of(path: Folder) -> str:
     return FORMATS.get(name.suffix.lower(), "")
 
 
-def all_frames(value: object, folder: Folder) -> tuple[str, Series]:
-    """The file in `start_from`, which has no number of a frame, and all its frames in SI units.
+class AllFrames(NamedTuple):
+    """The frames of a file of another program."""
 
-    Raises BadInput, and ValueError from `read`.
-    """
+    name: str
+    """The file, without the number of a frame."""
+    series: Series
+    """in the units of the file"""
+    spec: StartSpec
+
+    def in_si(self) -> Series:
+        """The frames in SI units."""
+        return Series(self.series.frames, lambda frame: _in_si(self.series.read(frame), self.spec))
+
+    @property
+    def ignores_velocities(self) -> bool:
+        """Whether the frames have velocities, which without a unit of time have no meaning. Raises ValueError."""
+        return not self.spec.time_unit and self.series.read(0).velocity is not None
+
+
+def all_frames(value: object, folder: Folder) -> AllFrames:
+    """The frames of the file in `start_from`. Raises BadInput, and ValueError from `read`."""
     if not isinstance(value, Mapping):
         raise BadInput("the scene has no table [start_from] with the file and its units")
     try:
@@ -211,7 +231,7 @@ def all_frames(value: object, folder: Folder) -> tuple[str, Series]:
         raise BadInput(f"{RUN}.{'.'.join(map(str, place))}: {message}") from None
     except ValueError as fault:
         raise BadInput(f"{RUN}.file: {value.get('file')} {fault}") from None
-    return name, Series(found.frames, lambda frame: _in_si(found.read(frame), spec))
+    return AllFrames(name, found, spec)
 
 
 def _in_si(found: Particles, spec: StartSpec) -> Particles:
@@ -371,7 +391,8 @@ def _place(each: str, start: Start, names: Sequence[str], types: int) -> int | N
         return int(each) - 1
     if each not in start.species and len(names) == types == 1:
         return 0
-    species = f"the species are {_listed(names)}" if names else "the scene has no [[particles]]"
+    listed = f"the species are {_listed(names)}" if all(names) else "there is a species without a name"
+    species = listed if names else "the scene has no [[particles]]"
     hint = f"expected a species named {target!r}"
     if start.key == RUN:
         hint += f", or species = {{ {each} = NAME }} in start_from"
@@ -548,7 +569,9 @@ def _take_density(one: Species, found: NDArray[np.float64] | None) -> Complaints
 
 def _no_radius(start: Start) -> str:
     usual = "; GSD omits diameters that are all 1: write radius as half of length_unit if they are meant"
-    return f"is missing; {start.name} has no diameters{usual if start.name.endswith('.gsd') else ''}"
+    match = ANOTHER_FRAME.fullmatch(start.name)
+    is_gsd = (match[1] if match else start.name).endswith(".gsd")
+    return f"is missing; {start.name} has no diameters{usual if is_gsd else ''}"
 
 
 def _take_radius(one: Species, start: Start) -> Complaints:

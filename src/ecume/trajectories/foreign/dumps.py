@@ -13,6 +13,7 @@ from ecume.trajectories.foreign.particles import (
     FileFault,
     Particles,
     box_of,
+    count_of,
     edges_of,
     frame_number,
     instant_of,
@@ -20,7 +21,6 @@ from ecume.trajectories.foreign.particles import (
     numbered,
     require_count,
     require_different,
-    whole,
 )
 
 START, YAML = "ITEM: TIMESTEP", "---"
@@ -98,7 +98,7 @@ def _table(lines: Sequence[str], place: int, end: int) -> Table:
         if name not in items or (name != "ATOMS" and items[name][1] >= end):
             raise ValueError(f"has a frame without ITEM: {called}")
     at = items["NUMBER"][1]
-    count = whole(lines[at].strip(), at + 1, least=1)
+    count = count_of(lines[at].strip(), at + 1)
     bounds, (head, first) = items["BOX BOUNDS"][1], items["ATOMS"]
     require_count(count, end - first, at + 1)
     counts = (4,) if GENERAL in items["BOX BOUNDS"][0] else (2, 3)
@@ -119,7 +119,7 @@ def _yaml_table(lines: Sequence[str], place: int, end: int) -> Table:
     for name in ("natoms", "box", "keywords", "data"):
         if name not in keys:
             raise ValueError(f"has a frame without {name}")
-    count = whole(lines[keys["natoms"]].split(":")[1].strip(), keys["natoms"] + 1, least=1)
+    count = count_of(lines[keys["natoms"]].split(":")[1].strip(), keys["natoms"] + 1)
     first = keys["data"] + 1
     require_count(count, end - first, keys["natoms"] + 1)
     at = keys["box"] + 1

@@ -77,6 +77,13 @@ def whole(word: str, line: int, least: int = 0) -> int:
     return int(word)
 
 
+def count_of(word: str, line: int) -> int:
+    """The number of particles of a frame, in a text. Raises FileFault."""
+    if word == "0":
+        raise FileFault("has a frame without particles; expected one particle or more in each", line)
+    return whole(word, line, least=1)
+
+
 def require_count(count: int, lines: int, line: int) -> None:
     """Raise FileFault if a file states more particles than its lines can contain."""
     if count > MOST_PARTICLES:

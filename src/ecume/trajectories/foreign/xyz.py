@@ -19,6 +19,7 @@ from ecume.trajectories.foreign.particles import (
     Particles,
     Sides,
     box_of,
+    count_of,
     edges_of,
     frame_number,
     instant_of,
@@ -128,7 +129,7 @@ def _starts(lines: Sequence[str]) -> list[int]:
         if not lines[place].strip():
             place += 1
             continue
-        count = whole(lines[place].strip(), place + 1, least=1)
+        count = count_of(lines[place].strip(), place + 1)
         require_count(count, len(lines) - place - 2, place + 1)
         found.append(place)
         place += count + 2
