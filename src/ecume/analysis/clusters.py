@@ -14,7 +14,8 @@ from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
 from ecume.analysis.boxes import box_of
-from ecume.analysis.series import BLOCKS, Mean, inside
+from ecume.analysis.series import Mean, inside
+from ecume.engine.stationarity import BLOCKS
 from ecume.errors import BadInput
 from ecume.trajectories.frame import Frame
 from ecume.units import Array, Lengths, Number

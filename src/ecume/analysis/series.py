@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ecume.analysis.boxes import box_of, nearest
+from ecume.engine.stationarity import BLOCKS, standard_error
 from ecume.errors import BadInput
 from ecume.trajectories.frame import Frame, omitted_from
 from ecume.units import Array
@@ -131,15 +132,8 @@ class Mean(NamedTuple):
     error: float
 
 
-BLOCKS = 8
-
-
 def steady_mean(values: Array, blocks: int = BLOCKS) -> Mean:
-    """The mean of a stationary series, with its error from block means, since neighboring values
-    are correlated.
-
-    Blocks that are longer than the correlation time of the series are independent. With fewer values than two blocks
-    need, the error is NaN.
+    """The mean of a stationary series, with its standard error from the means of blocks.
 
     >>> steady_mean(np.array([1.0, 3.0] * 8), blocks=4)
     Mean(value=2.0, error=0.0)
@@ -148,6 +142,4 @@ def steady_mean(values: Array, blocks: int = BLOCKS) -> Mean:
     """
     if not len(values):
         return Mean(math.nan, math.nan)
-    parts = [part.mean() for part in np.array_split(values, min(blocks, max(len(values) // 2, 1)))]
-    error = np.std(parts, ddof=1) / np.sqrt(len(parts)) if len(parts) > 1 else np.nan
-    return Mean(float(np.mean(values)), float(error))
+    return Mean(float(np.mean(values)), standard_error(values, blocks))

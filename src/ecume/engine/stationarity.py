@@ -18,15 +18,18 @@ that is not stationary.
 SURE = 3.0
 """The largest difference of the means of two halves, in standard errors."""
 
-
 BLOCKS = 8
+"""The number of blocks behind a standard error."""
 
 
-def standard_error(values: Array) -> float:
-    """The standard error of the mean of a stationary series, from the means of eight blocks, as in
-    `ecume.analysis.series.steady_mean`: neighboring values are correlated.
+def standard_error(values: Array, blocks: int = BLOCKS) -> float:
+    """The standard error of the mean of a stationary series, from the means of blocks: neighboring values are
+    correlated, but blocks longer than the correlation time are independent. NaN with fewer values than two blocks need.
+
+    >>> standard_error(np.array([1.0, 3.0] * 8), blocks=4), standard_error(np.ones(1))
+    (0.0, nan)
     """
-    parts = [part.mean() for part in np.array_split(values, min(BLOCKS, max(len(values) // 2, 1)))]
+    parts = [part.mean() for part in np.array_split(values, min(blocks, max(len(values) // 2, 1)))]
     return float(np.std(parts, ddof=1) / np.sqrt(len(parts))) if len(parts) > 1 else math.nan
 
 
