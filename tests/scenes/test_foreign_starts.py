@@ -559,7 +559,7 @@ def test_a_tilted_box_is_refused_where_images_would_be_shifted(tmp_path: Path) -
         LATTICE.format(up="y", start=start, low=[0, 0], high=[0.010, 0.008], sides=each) for each in (both, along_x)
     ]
     assert faults(tmp_path, texts[0]) == [
-        "start_from.file: box.dump has a box tilted by 0.002 m; expected a rectangular one for a tank that is periodic "
+        "start_from: box.dump has a box tilted by 0.002 m; expected a rectangular one for a tank that is periodic "
         "along x and y; write the file without a tilt, or use walls there"
     ]
     assert np.allclose(loaded(tmp_path, texts[1]).fluid[0].particles.positions, [[0.0035, 0.0005]])  # type: ignore[union-attr]

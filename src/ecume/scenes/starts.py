@@ -486,7 +486,8 @@ def in_tank(start: Start, periods: Sequence[Period]) -> Start:
     if sides is None:
         return start
     if any(axis for axis, _, _ in periods):  # images across sides along y or z are shifted by the tilt
-        _require_rectangular(start)
+        where = f" for a tank that is periodic along {' and '.join('xyz'[axis] for axis, _, _ in periods)}"
+        _require_rectangular(start, f"{where}; write the file without a tilt, or use walls there")
     for axis, low, high in periods:
         _compare([high - low], sides[axis : axis + 1], ("tank", "high"), start)
         away = np.floor((position[:, axis] - low) / (high - low))
@@ -495,11 +496,11 @@ def in_tank(start: Start, periods: Sequence[Period]) -> Start:
     return start._replace(particles=start.particles._replace(position=position))
 
 
-def _require_rectangular(start: Start) -> None:
+def _require_rectangular(start: Start, purpose: str = "") -> None:
     """Raise Inconsistent where the box of a file is tilted."""
     particles = start.particles
     if particles.sides is not None and particles.tilt > ALIKE * max(particles.sides):
-        message = f"{start.name} has a box tilted by {particles.tilt:.4g} m; expected a rectangular one"
+        message = f"{start.name} has a box tilted by {particles.tilt:.4g} m; expected a rectangular one{purpose}"
         raise Inconsistent([((start.key,), message)])
 
 

@@ -235,25 +235,10 @@ def _from_file(raw: dict[str, Any], given: object, folder: Folder) -> Complaints
     if start is None:
         return faults
     try:
-        _require_straight_box(raw, start)
         raw["fluid"] = regions(raw, start)
     except Inconsistent as fault:
         return list(fault.complaints)
     return []
-
-
-def _require_straight_box(raw: Mapping[str, Any], start: Any) -> None:
-    """Raise Inconsistent for a tilted box in a tank that is periodic along y or z: images across such a side are
-    shifted along x. Images across x are not shifted.
-    """
-    from ecume.scenes.starts import ALIKE, periods_of
-
-    particles, periodic = start.particles, [AXES[each.axis] for each in periods_of(raw)]
-    if particles.sides is None or particles.tilt <= ALIKE * max(particles.sides) or not {*periodic} - {"x"}:
-        return
-    where = f"a tank that is periodic along {' and '.join(periodic)}"
-    message = f"{start.name} has a box tilted by {particles.tilt:.4g} m; expected a rectangular one for {where}"
-    raise Inconsistent([((RUN, "file"), f"{message}; write the file without a tilt, or use walls there")])
 
 
 def _length(said: object) -> object:
