@@ -20,7 +20,7 @@ from ecume.show.figures import FIGURES as ALL_FIGURES
 from ecume.show.figures import plot, require_same_names
 from ecume.show.floating import figures
 from ecume.show.floating.figures import FLOATING_FIGURES as FIGURES
-from ecume.show.style import save, scale_for
+from ecume.show.style import MUTED, save, scale_for
 from ecume.units import with_prefix
 
 pytestmark = pytest.mark.sampled(2)
@@ -112,12 +112,16 @@ def test_energies_add_up_and_what_is_lost_is_dissipated(scene, frames):
 def test_what_was_injected_is_dissipated_where_energy_does_not_rise_by_it(scene, frames):
     driven = [
         frame._replace(
-            numbers={**frame.numbers, "injected_work": n * 1e-6}, units={**frame.units, "injected_work": "J"}
+            numbers={**frame.numbers, "injected_work": n * 1e-6, "numerical_work": 0.0},
+            units={**frame.units, "injected_work": "J", "numerical_work": "J"},
         )
         for n, frame in enumerate(frames)
     ]
     (axes,) = curves.energies(driven, scene).axes
     (_, total), (_, injected), (_, lost) = (curve(axes, label) for label in ("total", "injected", "dissipated"))
+    lines = {line.get_label(): line for line in axes.get_lines()}
+    assert lines["dissipated"].get_color() == MUTED  # the yellow of the palette is hardly visible
+    assert not any("_" in label for label in lines)
     assert injected[-1] > 0.0
     assert lost == pytest.approx(total[0] - total + injected)
 
@@ -306,3 +310,7 @@ def test_names_of_other_programs_lead_to_a_figure():
         require_figure("floating", "MSD")
     with pytest.raises(BadInput, match=r"did you mean pair-distribution\?"):
         require_figure("floating", "g(r)")
+    with pytest.raises(
+        BadInput, match="pair-distribution is a figure of the model floating; this run is of .* tracers"
+    ):
+        require_figure("tracers", "g(r)")

@@ -99,6 +99,9 @@ MOST_INSTANTS = 400
 LEAST = 1e-15
 """The kinetic energy, over its largest value, below which it is not drawn."""
 
+OF_SUMS = {"total": INK, "dissipated": MUTED}
+"""Colors of energies that have none of the palette."""
+
 Frames = Sequence[Frame]
 
 
@@ -107,7 +110,7 @@ def energies(frames: Frames, scene: Scene) -> Figure:
     shown = evolution(frames)
     names = [name for name, unit in shown[0].units.items() if unit in ENERGIES and name != "total_energy"]
     *parts, total = series(shown, *map(number, [*names, "total_energy"]))
-    labels = [name.removesuffix("_energy").replace(INJECTED, "injected") for name in names]
+    labels = [name.removesuffix("_energy").replace(INJECTED, "injected").replace("_", " ") for name in names]
     work = dict(zip(names, parts, strict=True)).get(INJECTED, np.zeros(len(total)))
     lost = total[0] - total + work - work[0]
     curves = [*zip(labels, parts, strict=True), ("total", total), ("dissipated", lost)]
@@ -117,9 +120,8 @@ def energies(frames: Frames, scene: Scene) -> Figure:
         axes = over_time(drawn, scene, "Energies")
         for (label, values), color in zip(curves, itertools.cycle(PALETTE), strict=False):
             dashes = "--" if label == "dissipated" else "-"
-            axes.plot(
-                times(shown), scale.factor * values, dashes, color=INK if label == "total" else color, label=label
-            )
+            chosen = OF_SUMS.get(label, color)
+            axes.plot(times(shown), scale.factor * values, dashes, color=chosen, label=label)
         axes.set_ylabel(f"energy ({scale.unit})")
         legend_outside(axes)
     return drawn

@@ -96,6 +96,10 @@ def require_figure(model: str, name: str) -> None:
     """Raise BadInput if a model of the table has no figure with this name."""
     known = FIGURE_NAMES.get(model, ())
     if known and name not in known and not name.startswith(NUMBER):
-        usual = ELSEWHERE_CALLED.get(name.lower())
-        advice = f"did you mean {usual}?" if usual in known else suggestion(name, known)
-        raise BadInput(f"no such figure as {name!r}; {advice}")
+        usual = ELSEWHERE_CALLED.get(name.lower(), name)
+        others = [other for other, names in FIGURE_NAMES.items() if usual in names]
+        if usual in known:
+            raise BadInput(f"no such figure as {name!r}; did you mean {usual}?")
+        if others:
+            raise BadInput(f"{usual} is a figure of the model {' and '.join(others)}; this run is of the model {model}")
+        raise BadInput(f"no such figure as {name!r}; {suggestion(name, known)}")

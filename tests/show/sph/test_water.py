@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from scipy.ndimage import map_coordinates
 
 from ecume.show.picture import Eye, Size
 from ecume.show.sph.picture import liquid_picture
@@ -92,6 +93,16 @@ def test_solids_are_seen_through_the_water():
     there, water = pixels[len(pixels) - int(y), int(x), :3], pixels[len(pixels) - int(y), int(beside), :3]
     assert there[0] > there[2]
     assert water[2] > water[0] + 30
+
+
+def test_a_post_fills_its_frame_up_to_the_corners():
+    """On the grid of the liquid edges are rounded by a good tenth of a spacing."""
+    low, high = np.array([0.4, 0.0, 0.4]), np.array([0.6, 0.8, 0.6])
+    found = scenery_of(cube(obstacles=[{"low": low.tolist(), "high": high.tolist()}]), liquid(), np.zeros((500, 0)))
+    corners = np.stack(np.meshgrid(*np.stack([low, high], axis=1), indexing="ij"), axis=-1).reshape(-1, 3)
+    inside = corners + 0.09 * SPACING * np.sign(0.5 * (low + high) - corners)
+    places = (inside - found.grid.low) / found.grid.cell - 0.5
+    assert (map_coordinates(found.solid, places.T, order=1, mode="nearest") > 0.0).all()
 
 
 @pytest.mark.parametrize(("liquid", "color"), [({}, "#4f9fd8"), ({"name": "mercury"}, "#b3b8be")])

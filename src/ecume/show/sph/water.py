@@ -24,8 +24,10 @@ from ecume.units import Array
 if TYPE_CHECKING:
     from ecume.scenes.sph import SphScene
 
-FINE = 2.0
-"""The number of cells per spacing."""
+FINE, FINER = 2.0, 8.0
+"""The number of cells per spacing, and the largest number of a tank with solids, whose edges a coarse grid rounds."""
+SHARP_CELLS = 200_000
+"""The number of cells up to which they are finer for solids."""
 MOST_CELLS = 4_000_000
 MOST_RAYS = 160_000
 """The largest number of rays per picture; the pixels between are interpolated."""
@@ -113,13 +115,19 @@ def scenery_of(scene: SphScene, frame: Frame, values: Array) -> Scenery:
         ends = solid.middle + np.concatenate(edges_of(*solid.shape.bounds())) @ solid.turn.T
         low = np.minimum(low, np.maximum(ends.min(axis=0), scene.tank.low))
         high = np.maximum(high, np.minimum(ends.max(axis=0), scene.tank.high))
-    size = max(scene.spacing / FINE, float(np.prod(high - low) / MOST_CELLS) ** (1.0 / 3.0))
+    size = size_of_cells(scene.spacing, float(np.prod(high - low)), sharp=bool(solids))
     kinds = [getattr(scene.tank, side).kind for side in scene.sides]
     grid = grid_in(low, high, size, [kinds[2 * axis] == "periodic" for axis in range(3)])
     depth, which = solid_level(solids, grid)
     inside = (lambda points: depth.ravel() > 0.0) if solids else None
     colors = np.array([to_rgb(one.color) for one in solids]).reshape(-1, 3)
     return Scenery(region_of(liquid, grid, scene.spacing, inside), grid, depth, which, colors)
+
+
+def size_of_cells(spacing: float, volume: float, *, sharp: bool) -> float:
+    """The size of cells (m) that fill a volume (m^3); they are smaller where solids need sharp edges."""
+    usual = max(spacing / FINE, (volume / MOST_CELLS) ** (1.0 / 3.0))
+    return min(usual, max(spacing / FINER, (volume / SHARP_CELLS) ** (1.0 / 3.0))) if sharp else usual
 
 
 def seen_along(scenery: Scenery, camera: Array, view: View, shape: tuple[int, int]) -> Array:
