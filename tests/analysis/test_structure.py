@@ -79,6 +79,8 @@ def test_a_lattice_has_peaks_where_its_shells_are():
 def test_edges_beyond_the_region_are_refused():
     with pytest.raises(BadInput, match="width of the region"):
         pair_distribution([frame_of([[0.0, 0.0], [1.0, 0.0]])], np.array([0.0, 5.0]), Region(radius=2.0))
+    with pytest.raises(BadInput, match=r"frames: got positions in 3 dimensions; expected 2"):
+        pair_distribution([frame_of([[0.0, 0.0, 3.0]])], np.array([0.0, 1.0]), Region(radius=2.0))
 
 
 def test_a_row_is_long_a_hexagon_is_round_and_both_have_their_radius_of_gyration():
@@ -102,6 +104,8 @@ def test_random_steps_add_up_as_squares_and_straight_ways_as_lengths():
     tracks = np.cumsum(chance.normal(0.0, 0.5, (400, 300, 2)), axis=0)
     lags = [0, 1, 4, 16]
     assert mean_square_displacement(tracks, lags) == pytest.approx(0.5 * np.array(lags), rel=0.02)
+    with pytest.raises(BadInput, match=r"tracks: expected positions \(frames, particles, d\): .*tracks\(frames\)"):
+        mean_square_displacement([frame_of([[0.0, 0.0]])], lags)
     straight = np.arange(10.0)[:, None, None] * np.array([[[3.0, 4.0]]])
     assert mean_square_displacement(straight, [1, 2]) == pytest.approx([25.0, 100.0])
     with pytest.raises(BadInput, match="from 0 to 9"):

@@ -154,6 +154,8 @@ def pair_distribution(frames: Sequence[Frame], edges: Array, region: Region) -> 
     pairs = 0.0
     for frame in frames:
         position = frame.arrays["position"][inside(frame)]
+        if position.shape[1] != 2:
+            raise BadInput(f"frames: got positions in {position.shape[1]} dimensions; expected 2, as of the region")
         count, size = len(position), np.array(region.size)
         tree = cKDTree(np.mod(np.mod(position, size), size), boxsize=size) if region.periodic else cKDTree(position)
         # The pairs of particles with themselves, at distance 0, cancel in the differences.
@@ -239,6 +241,8 @@ def mean_square_displacement(tracks: Array, lags: Sequence[int]) -> Array:
 
     `tracks`: (frames, particles, d), as `ecume.analysis.series.tracks` makes them.
     """
+    if np.ndim(tracks) != 3:
+        raise BadInput("tracks: expected positions (frames, particles, d): ecume.analysis.series.tracks(frames)")
     if any(not 0 <= lag < len(tracks) for lag in lags):
         raise BadInput(f"lags: got {list(lags)}; expected numbers of frames from 0 to {len(tracks) - 1}")
     gone = [tracks[lag:] - tracks[: len(tracks) - lag] for lag in lags]
