@@ -107,6 +107,8 @@ class ShapedScratch(NamedTuple):
     """(N, 3)"""
     drag: Array
     """(N, 3) forces and torques by the motion of the liquid and of the dish"""
+    ahead: Array
+    """(N, 3) the change of velocities and spins by that of the flow until the middle of the step"""
     levers: TorqueContacts
 
 
@@ -122,6 +124,7 @@ def make_shaped_scratch(shaped: Shaped, parameters: Parameters, state: State, wo
         corner=np.zeros_like(shaped.outlines.corner),
         mobility=np.zeros((count, 3)),
         drag=np.zeros((count, 3)),
+        ahead=np.zeros((count, 3)),
         levers=make_torque_contacts(room, shaped.places),
     )
 
@@ -367,27 +370,24 @@ def drag_along(
 def turn_bodies_with_current(
     part: RigidKicks, scratch: ShapedScratch, parameters: Parameters, state: State, velocity: Array
 ) -> None:
-    """Add to velocities and spins the change of the drag of the flow until the middle of the step: the midpoint rule of
-    bodies without inertia.
+    """Add to velocities and spins the change of the flow until the middle of the step, as far as drag transmits it in a
+    kick: the midpoint rule of round floats (`turn_with_current`). The changes are kept in `scratch.ahead`.
     """
-    before, half = scratch.drag.copy(), 0.5 * parameters.time_step
-    turned = scratch.angle + half * velocity[: len(before), 2]
-    drag_along(part, scratch, parameters, state, velocity, 0.5)
-    for i in range(len(before)):
-        # Each drag is divided by the frictions at its own angle: a body that turns in a uniform flow goes straight.
-        last_x, last_y = carried_along(part, i, turned[i], scratch.drag[i])
-        x, y = carried_along(part, i, scratch.angle[i], before[i])
-        velocity[i, 0] += last_x - x
-        velocity[i, 1] += last_y - y
-        velocity[i, 2] += (scratch.drag[i, 2] - before[i, 2]) / part.friction[i, 2]
-
-
-@compiled
-def carried_along(part: RigidKicks, i: int, angle: float, drag: Array) -> tuple[float, float]:
-    """The velocity at which the drag on a body at this angle is balanced by its frictions along and across itself."""
-    c, s = math.cos(angle), math.sin(angle)
-    along, across = (c * drag[0] + s * drag[1]) / part.friction[i, 0], (c * drag[1] - s * drag[0]) / part.friction[i, 1]
-    return c * along - s * across, s * along + c * across
+    drift, half, now = parameters.drift, 0.5 * parameters.time_step, state.step[0] * parameters.time_step
+    for i in range(len(scratch.ahead)):
+        x, y, angle = state.position[i, 0], state.position[i, 1], scratch.angle[i]
+        to_x, to_y, turned = x + half * velocity[i, 0], y + half * velocity[i, 1], angle + half * velocity[i, 2]
+        u, v = current_at(drift, now, x, y)
+        last_u, last_v = current_at(drift, now + half, to_x, to_y)
+        spin = rotation_of_flow(part, parameters, i, (x, y, angle, now))
+        last_spin = rotation_of_flow(part, parameters, i, (to_x, to_y, turned, now + half))
+        c, s = math.cos(angle), math.sin(angle)
+        along = (1.0 - slowed(part, parameters, i, 0)[0]) * (c * (last_u - u) + s * (last_v - v))
+        across = (1.0 - slowed(part, parameters, i, 1)[0]) * (c * (last_v - v) - s * (last_u - u))
+        scratch.ahead[i, 0], scratch.ahead[i, 1] = c * along - s * across, s * along + c * across
+        scratch.ahead[i, 2] = (1.0 - slowed(part, parameters, i, 2)[0]) * (last_spin - spin)
+        for axis in range(3):
+            velocity[i, axis] += scratch.ahead[i, axis]
 
 
 @compiled
@@ -479,7 +479,7 @@ def predict_rigid(
     """Compute the midstep velocities by the first kick; `before` is the velocity without forces."""
     load(state, workspace.midstep_velocity)
     kick_twice(part, scratches.integrator, parameters, workspace)
-    if parameters.drift.flows and not parameters.scheme.inertia:
+    if parameters.drift.flows:
         turn_bodies_with_current(part, scratches.integrator, parameters, state, workspace.midstep_velocity)
     if parameters.drift.thermal > 0.0:
         add_rigid_noise(part, scratches.integrator, parameters, int(state.step[0]), workspace.midstep_velocity)
@@ -538,7 +538,13 @@ def kick_twice(part: RigidKicks, scratch: ShapedScratch, parameters: Parameters,
 def finish_rigid(
     part: RigidKicks, scratch: ShapedScratch, parameters: Parameters, state: State, workspace: Workspace
 ) -> None:
-    """Apply the second half kick, if the scheme has one."""
+    """Take back the change of the flow until the middle of the step, which moves bodies with inertia but is none of
+    their velocities; apply the second half kick, if the scheme has one.
+    """
+    if parameters.drift.flows and parameters.scheme.inertia:
+        for i in range(len(scratch.ahead)):
+            for axis in range(3):
+                workspace.midstep_velocity[i, axis] -= scratch.ahead[i, axis]
     if parameters.scheme.half_kicks:
         drag_along(part, scratch, parameters, state, workspace.midstep_velocity, 1.0)
         kick_twice(part, scratch, parameters, workspace)
