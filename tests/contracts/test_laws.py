@@ -148,6 +148,7 @@ SAMPLES = {
     "low": -0.2, "high": 0.5, "filled": 0.2, "solid_fraction": 0.6, "diameter": 0.4, "permeability": 1e-3, "room": 0.7,
     "place": (0.3, 0.2, 0.1), "stream": (0.4, 0.3, -0.2), "displaced": 0.3,
     "angular_frequency": 1.3, "frequency": 0.4, "peak": 0.35, "phase": 0.6,
+    "directions": np.array([0.3, 1.7, 4.0]),
     "dim": 2, "swing": 0.2, "decay": 0.3, "damping": 0.4, "amplitude": 0.2, "velocity": 0.4, "slip": 0.7,
 }  # fmt: skip
 SAMPLES_OF_TYPES = {Body: Body(1.1, 0.25, 5.0)}

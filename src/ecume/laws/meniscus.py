@@ -24,7 +24,7 @@ from ecume.laws.arguments import SMALLEST, as_distances, as_given, chosen, eleme
 from ecume.laws.flotation.bodies import Liquid
 from ecume.laws.flotation.young_laplace import sloping_amplitude, sloping_height
 from ecume.laws.special import bessel_k1, scaled_bessel_i0, scaled_bessel_k0, scaled_bessel_k1
-from ecume.units import Angle, Array, Force, Forces, Length, Lengths, Number, Numbers
+from ecume.units import Angle, Angles, Array, Force, Forces, Length, Lengths, Number, Numbers
 
 WALLS = {"fixed-angle": 1.0, "pinned": -1.0}
 """The sign of an image: for a wall that keeps the contact angle, and for one that pins the contact line."""
@@ -268,6 +268,45 @@ def facing_amplitude(width: Length, contact_angle: Angle, liquid: Liquid, theory
     require_positive("width", width)
     alone = chosen(AMPLITUDES, theory, "amplitude of a wall")(contact_angle, liquid)
     return alone / -math.expm1(-width / liquid.capillary_length)
+
+
+EXACT = 1e-4
+"""Singular values of the menisci of tangents below this, over the largest, are left out: such menisci cancel."""
+
+
+def oval_amplitudes(
+    size: tuple[Length, Length], directions: Angles, contact_angle: Angle, liquid: Liquid, theory: str = "amplitude"
+) -> Lengths:
+    """Amplitudes of plane menisci A exp(-d/L) at tangents of an elliptic dish, whose sum is the surface in the dish.
+
+    `size` is the length of both axes, and a tangent touches at (a cos t, b sin t) for each t of `directions`. Each
+    exponential solves the linear equation h = L^2 (h_xx + h_yy), and so does their sum. Least squares give it the slope
+    A_w/L of a wall at 256 points of the edge, as in Trefftz's method; the error of the slope is below 1 % for axes from
+    2 to 400 L with a ratio of up to 4. In a circle all amplitudes are equal, and the sum over many tangents is
+    A_w I0(r/L)/I1(a/L). [landau1987, par. 61].
+
+    >>> water = Liquid(density=1000.0, surface_tension=0.072, viscosity=1e-3)
+    >>> around = 2.0 * math.pi * np.arange(64) / 64.0
+    >>> found = oval_amplitudes((0.04, 0.04), around, 0.8, water)
+    >>> at_center = float(np.sum(found)) * math.exp(-0.02 / water.capillary_length)
+    >>> abs(at_center / dish_height(0.0, 0.02, 0.8, water) - 1.0) < 1e-6
+    True
+    """
+    for name, length in (("size[0]", size[0]), ("size[1]", size[1])):
+        require_positive(name, length)
+    slope = chosen(AMPLITUDES, theory, "amplitude of a wall")(contact_angle, liquid)
+    edge, outward = map(np.asarray, oval_tangents(size, 2.0 * math.pi * np.arange(256.0) / 256.0))
+    touch, normal = map(np.asarray, oval_tangents(size, directions))
+    away = np.sum(touch * normal, axis=1) - edge @ normal.T
+    menisci = (outward @ normal.T) * np.exp(-away / liquid.capillary_length)
+    return as_given(np.linalg.lstsq(menisci, np.full(len(edge), slope), rcond=EXACT)[0])
+
+
+def oval_tangents(size: tuple[Length, Length], directions: Angles) -> tuple[Lengths, Numbers]:
+    """The points (K, 2) of an ellipse at (a cos t, b sin t), and its outward normals there."""
+    half, unit = 0.5 * np.array(size), np.column_stack([np.cos(directions), np.sin(directions)])
+    outward = unit / half
+    return half * unit, outward / np.linalg.norm(outward, axis=1)[:, None]
 
 
 def plane_height(distance: Lengths, contact_angle: Angle, liquid: Liquid) -> Lengths:

@@ -139,6 +139,46 @@ def test_each_side_can_be_the_barrier(side):
     assert last.numbers[f"force_on_{side}"] == pytest.approx(friction_of(scene) * SPEED, rel=1e-6)
 
 
+CLOSING = {
+    "round": {"size": None, "radius": 0.02}, "rectangle": {"size": [0.04, 0.03]},
+    "ellipse": {"size": [0.04, 0.03], "shape": "ellipse"},
+}  # fmt: skip
+"""Dishes whose walls touch the axes at 2 cm and, unless they are round, at 1.5 cm."""
+
+
+def closing(places, dish, **barrier):
+    return trough(places, dish=dish, barrier={"side": "all", "start": 0.0, **barrier}, duration=0.4, frame_every=0.2)
+
+
+@pytest.mark.parametrize("shape", CLOSING)
+def test_a_wall_that_closes_moves_the_floats_at_it_and_has_their_pressure(shape):
+    high = 0.02 if shape == "round" else 0.015
+    places = [[0.02 - RADIUS, 0.0], [RADIUS - 0.02, 0.0], [0.0, high - RADIUS], [0.0, RADIUS - high]]
+    scene = closing(places, CLOSING[shape])
+    *_, last = simulate(scene)
+    place = last.numbers["barrier_position"]
+    assert place == pytest.approx(0.4 * SPEED, rel=1e-12)
+    scaled = np.array(places) * (1.0 - 0.4 * SPEED / np.abs(places).max(axis=1)[:, None])
+    assert last.arrays["position"] == pytest.approx(scaled, abs=2e-4 * RADIUS)
+    drag = 4.0 * friction_of(scene) * SPEED
+    around = sum(math.dist(corners[1], corners[2]) for corners in behind_barrier(scene.dish, place))
+    assert last.numbers["surface_pressure"] == pytest.approx(drag / around, rel=1e-5)
+    pushed = last.numbers["force_on_left"] * 4.0 if shape == "rectangle" else last.numbers["force_on_wall"]
+    assert pushed == pytest.approx(drag, rel=1e-5)
+    assert last.numbers["barrier_work"] == pytest.approx(drag * place, rel=1e-3)
+
+
+def test_two_floats_stop_a_wall_that_closes_where_they_fill_it():
+    scene = closing([[0.005, 0.0], [-0.005, 0.0]], CLOSING["round"], start=0.013, velocity=0.02, stop=0.0185)
+    first, *_, last = simulate(scene)
+    assert last.numbers["barrier_stopped"] == 1.0
+    assert last.numbers["barrier_position"] == pytest.approx(0.018, abs=0.02 * RADIUS)
+    assert last.numbers["largest_overlap"] < 1e-3 * RADIUS
+    picture = Picture(scene, [first, last])
+    before, after = (np.array(picture.pixels(frame)) for frame in (first, last))
+    assert not np.array_equal(before, after)
+
+
 def test_a_barrier_follows_its_table_and_stops_where_it_is_told():
     table = {"velocity": None, "start": 0.0, "times": [0.1, 0.2, 0.4], "positions": [0.0, 0.01, 0.005]}
     scene = trough([[0.01, 0.0]], barrier=table, duration=0.5, frame_every=0.05)
@@ -197,6 +237,9 @@ def test_a_raft_that_is_stopped_keeps_the_energy_that_floats_at_rest_have():
         ({"hydrodynamics": {"interaction": "rotne-prager"}}, "flow of others"),
         ({"integration": {"integrator": "rk4"}}, "moves once per step"),
         ({"contacts": {"law": "spring-dashpot", "stiffness": 1.0, "restitution": 0.5}}, "impulses that stop floats"),
+        ({"barrier": {"side": "all", "both": True}}, "moves every side"),
+        ({"barrier": {"side": "all", "start": 0.005}, "dish": {"law": "meniscus"}}, "at a wall that closes"),
+        ({"barrier": {"side": "all", "start": 0.005}}, "dish.barrier.stop: the wall closes by 10 mm, where the floats"),
     ],
 )
 def test_what_a_barrier_cannot_do_is_refused(changes, key):

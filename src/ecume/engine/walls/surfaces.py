@@ -376,7 +376,7 @@ def enclosed_by(surfaces: Surfaces) -> Walls:
         raise BadInput("enclosure: expected a shape around the origin")
     radius = float(surfaces.size[round_ones].min(initial=math.inf))
     found = reached(Walls(radius, np.ascontiguousarray(surfaces.place[flat, :2]), surfaces.size[flat].copy()))
-    if found.disc_radius == math.inf and (len(found.offset) < 3 or not np.all(np.isfinite(_ends(found)))):
+    if found.disc_radius == math.inf and (len(found.offset) < 3 or not np.all(np.isfinite(side_ends(found)))):
         raise BadInput("enclosure: the shape is open; expected one that lines or a circle close all around")
     return found
 
@@ -385,7 +385,7 @@ SLIVER = 1e-9
 """The length of a side over the size of the enclosure, below which its line only touches the enclosure."""
 
 
-def _ends(walls: Walls) -> Array:
+def side_ends(walls: Walls) -> Array:
     """The ends (K, 2) of the part of the edge on each line, in m along the line from its point nearest to the origin,
     counterclockwise. The second end is not beyond the first if no part of the line belongs to the edge.
     """
@@ -410,12 +410,12 @@ def reached(walls: Walls) -> Walls:
     """The same enclosure without lines, or a circle, that are no part of its edge."""
     if not len(walls.offset):
         return walls
-    ends = _ends(walls)
+    ends = side_ends(walls)
     size = float(np.abs(walls.offset).max()) if walls.disc_radius == math.inf else walls.disc_radius
     kept = ends[:, 1] - ends[:, 0] > SLIVER * size
     left = Walls(walls.disc_radius, np.ascontiguousarray(walls.normal[kept]), walls.offset[kept])
     lines = left._replace(disc_radius=math.inf)
-    around = _ends(lines)
+    around = side_ends(lines)
     if len(around) > 2 and np.all(np.hypot(around, lines.offset[:, None]) <= walls.disc_radius * (1.0 + SLIVER)):
         return lines
     return left
@@ -519,7 +519,7 @@ def area(walls: Walls) -> float:
         x, y = corners(walls).T
         return 0.5 * float(np.sum(x * np.roll(y, -1) - np.roll(x, -1) * y))
     # Triangles from the origin to the lines, and sectors of the circle between them.
-    ends, away = _ends(walls), -walls.offset[:, None]
+    ends, away = side_ends(walls), -walls.offset[:, None]
     triangles, angles = 0.5 * np.diff(ends, axis=1) * away, np.diff(np.arctan2(ends, away), axis=1)
     return float(np.sum(triangles)) + 0.5 * walls.disc_radius**2 * (2.0 * math.pi - float(np.sum(angles)))
 
@@ -527,5 +527,5 @@ def area(walls: Walls) -> float:
 def _line_points(walls: Walls) -> Array:
     """Both end points of each line on the boundary, (2 K, 2) m."""
     along = np.stack([walls.normal[:, 1], -walls.normal[:, 0]], axis=1)
-    points: Array = (walls.offset[:, None] * walls.normal)[:, None] + _ends(walls)[:, :, None] * along[:, None]
+    points: Array = (walls.offset[:, None] * walls.normal)[:, None] + side_ends(walls)[:, :, None] * along[:, None]
     return points.reshape(-1, 2)

@@ -1,7 +1,7 @@
 """The shapes of dishes, and the menisci at their walls: heights, and forces on floats, also for compiled code.
 
-There are two kinds of menisci, one record each: inside a round wall (`ROUND`), and between two pairs of facing walls
-(`FACING`). Compiled code selects a law by its number.
+There are three kinds of menisci, one record each: inside a round wall (`ROUND`), between two pairs of facing walls
+(`FACING`), and along the tangents of an ellipse (`OVAL`). Compiled code selects a law by its number.
 
 Exact menisci and mirror images have no closed formula. A table has heights and image energies of a unit charge with
 their slopes, at distances evenly spaced in their logarithm, and a cubic Hermite polynomial between them. Forces are the
@@ -66,6 +66,8 @@ def is_far_field(wall_law: int) -> bool:
 
 def wall_stiffness(parameters: Parameters) -> float:
     """The largest |dF/dd| of the walls on any float (N/m), at the smallest possible distance."""
+    if parameters.wall_law == PLANE and wall_count(parameters.walls) > APART:
+        return _stiffness_together(parameters)
     strongest = float(np.max(np.abs(parameters.wall_strength), initial=0.0))
     if parameters.wall_law != TABLED:
         return strongest / float(parameters.pair[CAPILLARY_LENGTH]) ** 2
@@ -76,6 +78,20 @@ def wall_stiffness(parameters: Parameters) -> float:
         force = parameters.wall_table[row + 1] / distance
         stiffness += strength * float(np.max(np.abs(np.gradient(force, distance)[near])))
     return stiffness
+
+
+APART = 4
+"""The number of walls of a rectangle, whose menisci do not overlap, as do those of more walls."""
+
+
+def _stiffness_together(parameters: Parameters) -> float:
+    """The largest |dF/dd| of the menisci of all walls together on any float (N/m), at the corners between them."""
+    walls, length = parameters.walls, float(parameters.pair[CAPILLARY_LENGTH])
+    strength = parameters.wall_strength[:, np.argmax(np.abs(parameters.wall_strength).sum(axis=0))]
+    away = surfaces.corners(walls) @ walls.normal.T - walls.offset
+    bent = np.exp(-away / length) * strength / length**2
+    curvature = np.einsum("ck,ki,kj->cij", bent, walls.normal, walls.normal)
+    return float(np.abs(np.linalg.eigvalsh(curvature)).max(initial=0.0))
 
 
 @compiled_inside
@@ -171,8 +187,12 @@ class Meniscus(NamedTuple):
     """images(dish, liquid, distance): the energy of a charge in its mirror image, over 2 pi gamma A^2"""
     field: Callable[[DishSpec, flotation.Liquid, Array, Array], Array]
     """field(dish, liquid, x, y): the height on a grid (m), shape (y, x), for pictures"""
-    multipoles: Callable[[MultipoleWalls, Any, DishSpec, flotation.Liquid], Any]
-    """multipoles(walls, multipoles, dish, liquid): the multipoles of all floats between these walls"""
+    multipoles: Callable[[MultipoleWalls, Any, DishSpec, flotation.Liquid], Any] | None
+    """multipoles(walls, multipoles, dish, liquid): the multipoles of all floats between these walls; None if walls of
+    this kind have no known echoes
+    """
+    mirrors: bool = True
+    """whether a mirror image at the nearest wall is known"""
 
 
 # --- the two kinds ----------------------------------------------------------------------------------------------------
@@ -291,6 +311,34 @@ FACING = Meniscus(
 )
 
 
+def _oval_amplitudes(dish: DishSpec, liquid: flotation.Liquid, theory: str) -> list[float]:
+    found = meniscus.oval_amplitudes(_sides(dish), AROUND, dish.contact_angle, liquid, theory)
+    return [float(each) for each in np.asarray(found)]
+
+
+def _oval_field(dish: DishSpec, liquid: flotation.Liquid, x: Array, y: Array) -> Array:
+    walls, length = walls_of(dish), liquid.capillary_length
+    height = np.zeros((len(y), len(x)))
+    amplitudes = _oval_amplitudes(dish, liquid, "amplitude")
+    for normal, offset, amplitude in zip(walls.normal, walls.offset, amplitudes, strict=True):
+        away = normal[0] * x + normal[1] * y[:, None] - offset
+        height += amplitude * np.exp(-np.maximum(away, 0.0) / length)
+    return height
+
+
+OVAL = Meniscus(
+    {"meniscus": PLANE, "linear": PLANE, "none": NO_WALL_LAW},
+    _oval_amplitudes,
+    _oval_amplitudes,
+    lambda dish, liquid, largest: FAR * liquid.capillary_length + largest,
+    _plane_heights,
+    _plane_images,
+    _oval_field,
+    None,
+    mirrors=False,
+)
+
+
 # --- choices of a scene -----------------------------------------------------------------------------------------------
 
 
@@ -303,6 +351,9 @@ def law_of(dish: DishSpec, found: Meniscus) -> int:
     code = found.laws[law]
     if dish.image == "none":
         return code
+    if not found.mirrors:
+        got = f"got {dish.image!r} in an ellipse"
+        raise scene_error("dish.image", f"{got}; expected 'none': no image at its wall is known")
     if code == LEGACY_DISH:
         raise scene_error("dish.image", f"{dish.law!r} has no images; expected image = 'none', or another law")
     return TABLED
@@ -375,6 +426,18 @@ FIRST_MODE = 1.8411837813406593
 """The first zero of J1'."""
 
 
+AROUND = 2.0 * np.pi * np.concatenate([np.arange(0, 64, 2), np.arange(1, 64, 2)]) / 64.0
+"""Where the sides of an elliptic dish touch the ellipse (a cos t, b sin t). Its corners are outside by 0.12 % of the
+ellipse. Every other side comes first: viewers cut the surface of the liquid by 32 lines.
+"""
+
+
+def ellipse(size: tuple[float, float]) -> Surfaces:
+    """The inside of 64 tangents of an ellipse with these lengths of its axes (m)."""
+    touch, outward = meniscus.oval_tangents(size, AROUND)
+    return surfaces.planes(touch, -outward)
+
+
 class Shape(NamedTuple):
     """A row of the table: the shape of a dish and everything that depends on it."""
 
@@ -403,6 +466,7 @@ SHAPES = {
         FACING,
         wavenumber=lambda walls: 0.5 * math.pi / max(surfaces.bounds(walls)[1]),
     ),
+    "ellipse": Shape("size", ellipse, OVAL),
     "polygon": Shape(
         "vertices",
         surfaces.polygon,
@@ -433,6 +497,9 @@ def walls_of(dish: DishSpec | None) -> Walls:
     if dish is None:
         return no_walls()
     row = SHAPES[name_of(dish)]
+    # A round wall that closes has flat leaves, as an iris has.
+    if dish.barrier is not None and dish.radius is not None and row is SHAPES["round"]:
+        return enclosed_by(ellipse((2.0 * dish.radius, 2.0 * dish.radius)))
     try:
         return enclosed_by(row.surfaces(getattr(dish, row.key)))
     except BadInput as fault:
@@ -461,6 +528,11 @@ def meniscus_of(dish: DishSpec) -> Meniscus:
 
 def _has_meniscus(dish: DishSpec | None) -> bool:
     return dish is not None and not (dish.law == "none" and dish.image == "none")
+
+
+def echoes_known(dish: DishSpec | None) -> bool:
+    """Whether multipoles between the walls of a dish are known, or its walls have no menisci."""
+    return dish is None or not _has_meniscus(dish) or meniscus_of(dish).multipoles is not None
 
 
 def wall_law_of(scene: FloatingScene) -> int:
@@ -513,6 +585,8 @@ def behind_barrier(dish: DishSpec | None, advance: float) -> list[Array]:
     """
     if dish is None or dish.barrier is None:
         return []
+    if dish.barrier.side == ALL:
+        return _behind_closing_wall(walls_of(dish), advance)
     half, found = 0.5 * np.array(_sides(dish)), []
     for side in [dish.barrier.side, *([_OPPOSITE[dish.barrier.side]] if dish.barrier.both else [])]:
         axis, outward = (0 if side in ("left", "right") else 1), (1.0 if side in ("right", "top") else -1.0)
@@ -522,6 +596,18 @@ def behind_barrier(dish: DishSpec | None, advance: float) -> list[Array]:
         corners[:, 1 - axis] = half[1 - axis] * np.array([-1.0, -1.0, 1.0, 1.0])
         found.append(corners)
     return found
+
+
+ALL = "all"
+"""The side of a barrier that is the whole wall of a dish."""
+
+
+def _behind_closing_wall(walls: Walls, advance: float) -> list[Array]:
+    """The parts between a wall that closes and its place at the start, one behind each line."""
+    outer = surfaces.corners(walls)
+    inner = surfaces.corners(walls._replace(offset=walls.offset + advance))
+    each = zip(outer, inner, np.roll(inner, -1, axis=0), np.roll(outer, -1, axis=0), strict=True)
+    return [np.array(corners) for corners in each]
 
 
 _OPPOSITE = {"left": "right", "right": "left", "bottom": "top", "top": "bottom"}

@@ -1,4 +1,4 @@
-"""A barrier: a side of a rectangular dish that moves."""
+"""A barrier: a side of a rectangular dish that moves, or a wall that closes from all sides."""
 
 from __future__ import annotations
 
@@ -19,10 +19,13 @@ Advances = Annotated[tuple[Amplitude, ...], Field(max_length=100_000)]
 
 @dataclass(frozen=True, kw_only=True, config=STRICT)
 class BarrierSpec:
-    """A side of a rectangular dish that moves along its normal, as the barrier of a Langmuir trough."""
+    """A side of a rectangular dish that moves along its normal, as the barrier of a Langmuir trough, or the whole wall
+    of a dish of any shape, as an iris.
+    """
 
-    side: Literal["left", "right", "bottom", "top"] = "right"
-    """The side of the dish that is the barrier. Effect: determines the direction in which floats are compressed."""
+    side: Literal["left", "right", "bottom", "top", "all"] = "right"
+    """The side of the dish that is the barrier: one of a rectangle, or `all`, the whole wall of a dish of any shape,
+    which closes toward the middle. Effect: determines the direction in which floats are compressed."""
     both: Switch = False
     """Whether the opposite side moves alike, toward the barrier. Effect: compresses the floats from two sides."""
     velocity: Velocity | None = None
@@ -46,9 +49,15 @@ class BarrierSpec:
 
     @model_validator(mode="after")
     def _one_motion(self) -> Self:
-        if complaints := [*_of_table(self), *_of_velocity(self)]:
+        both = [(("both",), "got true with side = 'all', which moves every side")] if self.closes and self.both else []
+        if complaints := [*both, *_of_table(self), *_of_velocity(self)]:
             raise Inconsistent(complaints)
         return self
+
+    @property
+    def closes(self) -> bool:
+        """Whether the whole wall moves toward the middle."""
+        return self.side == "all"
 
 
 def _of_table(barrier: BarrierSpec) -> Complaints:

@@ -245,14 +245,14 @@ class DishSpec:
     """A dish around the origin. A scene without a dish has an unbounded surface."""
 
     shape: LawName | None = None
-    """The shape of the dish, such as `round`, `rectangle` or `polygon`; by default the one whose size is given. Effect:
-    determines where the wall is."""
+    """The shape of the dish: `round`, `rectangle`, `ellipse` or `polygon`; by default the one whose size is given, of a
+    `size` the rectangle. Effect: determines where the wall is."""
     radius: Size | None = None
     """The radius of a round dish (m); either this, `size` or `vertices`. Effect: a larger dish lengthens the times
     until floats meet."""
     size: tuple[Size, Size] | None = None
-    """The width and height of a rectangular dish, seen from above (m). Effect: a larger dish lengthens the times
-    until floats meet."""
+    """The width and height of a rectangular or elliptic dish, seen from above (m). Effect: a larger dish lengthens the
+    times until floats meet."""
     vertices: Corners | None = None
     """The corners of a convex dish (m), one after the other in either direction, with the origin inside. Example:
     `[[-0.03, -0.02], [0.03, -0.02], [0.0, 0.04]]`. Effect: determines where the walls are."""
@@ -278,7 +278,8 @@ class DishSpec:
     motion: DishMotionSpec | None = None
     """The motion of the dish. Effect: inertial forces and drag act on the floats."""
     barrier: BarrierSpec | None = None
-    """A side of a rectangular dish that moves. Effect: compresses the floats, and records their surface pressure."""
+    """A side of a rectangular dish that moves, or the whole wall of a dish that closes. Effect: compresses the floats,
+    and records their surface pressure."""
 
     @model_validator(mode="after")
     def _one_shape(self) -> Self:
@@ -288,10 +289,21 @@ class DishSpec:
                 [((), f"expected one of radius, size and vertices; got {' and '.join(given) or 'none'}")]
             )
         _require_rubbing(self)
-        if self.barrier is not None and self.size is None:
-            got = f"got a dish with {given[0]}; expected size, the sides of a rectangle"
-            raise Inconsistent([(("barrier",), f"{got}: the barrier is one of them")])
+        if self.barrier is not None:
+            _require_sides(self, self.barrier, given[0])
         return self
+
+
+def _require_sides(dish: DishSpec, barrier: BarrierSpec, given: str) -> None:
+    """Refuse barriers that are no side of a rectangle, and menisci at a wall that closes."""
+    if barrier.closes:
+        if dish.law != "none" or dish.image != "none":
+            got = f"got {dish.law or 'a meniscus'!r} at a wall that closes, whose meniscus changes with its curvature"
+            raise Inconsistent([(("law",), f"{got}; expected law = 'none' and image = 'none'")])
+    elif dish.size is None or dish.shape == "ellipse":
+        got = f"got a dish with {given}" if dish.size is None else "got an ellipse"
+        expected = "expected size, the sides of a rectangle: the barrier is one of them; or side = 'all'"
+        raise Inconsistent([(("barrier",), f"{got}; {expected}")])
 
 
 @dataclass(frozen=True, kw_only=True, config=STRICT)

@@ -1,4 +1,4 @@
-"""A barrier: one or two sides of a rectangular dish that move, and the forces on all four sides.
+"""A barrier: one or two sides of a rectangular dish that move, or all sides of any dish, and the forces on the sides.
 
 In a step the barrier moves at a constant velocity, which is that of its row in the contact solve: contacts stop floats
 relative to it. Its position is a function of the time, and a part of the state, as are the impulses of contacts with
@@ -21,9 +21,9 @@ import numpy as np
 from ecume._jit import compiled, compiled_inside
 from ecume.engine.cells import Integers
 from ecume.engine.contact.contacts import normal_velocities
-from ecume.engine.walls import Walls
+from ecume.engine.walls import Walls, surfaces
 from ecume.laws import rafts
-from ecume.models.floating.dishes import acts, wall_energy, wall_force, wall_law_of
+from ecume.models.floating.dishes import acts, wall_energy, wall_force, wall_law_of, walls_of
 from ecume.models.floating.options import Built, scene_error
 from ecume.models.floating.parameters import PUSHES, UNCONVERGED, WORK, Parameters, State, Workspace, part_of
 from ecume.models.liquids import liquid_of
@@ -34,14 +34,11 @@ if TYPE_CHECKING:
 
 SIDES = ("left", "bottom", "right", "top")
 """The sides of a rectangular dish, in the order of its walls."""
-COUNT = len(SIDES)
-SUMS = PUSHES + COUNT
-"""The impulses (N s) on the sides since the last frame, by contacts and menisci; before them those by contacts in this
-step.
-"""
-ELAPSED, PLACE, STOPPED, DONE, MEAN, LENGTH = range(SUMS + COUNT, SUMS + COUNT + 6)
-"""Indices of `State.tally`: the time since the last frame (s), the distance of the barrier from its side (m), whether
-it has stopped, its work (J), the mean pressure (N/m); and their end.
+ELAPSED, PLACE, STOPPED, DONE, MEAN, LENGTH = range(6)
+"""Numbers of `State.tally`, counted from its entry `numbers_of`: the time since the last frame (s), the distance of the
+barrier from its side (m), whether it has stopped, its work (J), the mean pressure (N/m); and their end. Before them are
+the impulses (N s) on all sides since the last frame, by contacts and menisci, from the entry `sums_of`, and before
+these, from `PUSHES`, those by contacts in this step.
 """
 SQUEEZED = 0.01
 """The approach of a contact that has no room, over the speed of the barrier, which a row of a hundred shares."""
@@ -69,7 +66,9 @@ class Barrier(NamedTuple):
     rates: Array
     """m/s: the velocity from then on"""
     width: float
-    """m: the length of the barrier"""
+    """m: the length of all parts of the barrier at their sides"""
+    narrowing: float
+    """the decrease of this length over the way of a barrier that closes; zero for straight ones"""
     largest_pressure: float
     """N/m"""
     smoothing: float
@@ -89,6 +88,24 @@ class BarrierScratch(NamedTuple):
     """(N + walls, 2) m/s: those of the workspace"""
     decay: float
     """the fraction of a velocity that remains after the drag of one kick, the least of all floats"""
+
+
+@compiled_inside
+def sums_of(part: Barrier) -> int:
+    """The first entry of `State.tally` with the impulses on the sides since the last frame."""
+    return PUSHES + len(part.sides)
+
+
+@compiled_inside
+def numbers_of(part: Barrier) -> int:
+    """The first entry of `State.tally` with the numbers of the barrier."""
+    return PUSHES + 2 * len(part.sides)
+
+
+@compiled_inside
+def length_at(part: Barrier, place: float) -> float:
+    """The length of all parts of the barrier (m) at a distance from their sides."""
+    return part.width - part.narrowing * place
 
 
 @compiled_inside
@@ -119,14 +136,14 @@ def menisci_of_walls(walls: Integers, parameters: Parameters, position: Array) -
 
 
 @compiled
-def add_pull_of_menisci(tally: Array, parameters: Parameters, position: Array) -> None:
+def add_pull_of_menisci(part: Barrier, tally: Array, parameters: Parameters, position: Array) -> None:
     """Add the reactions of menisci on all sides in a step to the impulses on them."""
     strength, charge = parameters.wall_strength, parameters.floats.charge
-    for number in range(COUNT):
+    for number in range(len(part.sides)):
         for i in range(len(position)):
             place = position[i, 0], position[i, 1]
             away = wall_force(parameters, number, place, strength[number, i], charge[i])[0]
-            tally[SUMS + number] += parameters.time_step * away
+            tally[sums_of(part) + number] += parameters.time_step * away
 
 
 @compiled
@@ -145,18 +162,18 @@ def set_barrier_velocity(part: Barrier, scratch: BarrierScratch, parameters: Par
 @compiled
 def move_barrier(part: Barrier, scratch: BarrierScratch, parameters: Parameters, state: State, first: bool) -> None:
     """Before a step, choose the velocity of the barrier; after it, add the work and the impulses of the step."""
-    tally, time = state.tally, parameters.time_step
+    tally, time, own = state.tally, parameters.time_step, numbers_of(part)
     if not first:
         finish_barrier(part, scratch, parameters, state)
         return
     if state.step[0] % parameters.steps_per_frame == 0:
-        tally[ELAPSED] = 0.0
-        for number in range(COUNT):
-            tally[SUMS + number] = 0.0
-    for number in range(COUNT):
+        tally[own + ELAPSED] = 0.0
+        for number in range(len(part.sides)):
+            tally[sums_of(part) + number] = 0.0
+    for number in range(len(part.sides)):
         tally[PUSHES + number] = 0.0
-    here = tally[PLACE]
-    there = here if tally[STOPPED] > 0.0 else place_at(part, (state.step[0] + 1) * time)
+    here = tally[own + PLACE]
+    there = here if tally[own + STOPPED] > 0.0 else place_at(part, (state.step[0] + 1) * time)
     scratch.step[0], scratch.step[1], scratch.step[3] = here, there, tally[UNCONVERGED]
     set_barrier_velocity(part, scratch, parameters, (there - here) / time)
 
@@ -166,19 +183,19 @@ def carry_barrier(
     part: Barrier, scratch: BarrierScratch, parameters: Parameters, state: State, workspace: Workspace
 ) -> None:
     """Move the barrier after the contacts before the drift, or stop it if these contacts have no solution."""
-    tally, pushed = state.tally, 0.0
+    tally, pushed, own = state.tally, 0.0, numbers_of(part)
     for number in part.walls:
         pushed += tally[PUSHES + number]
     unsolved = pushed > 0.0 and scratch.step[2] != 0.0 and tally[UNCONVERGED] > scratch.step[3]
     # Contacts with friction may fail to converge, too, but with smaller approaches.
     if unsolved and fastest_approach(workspace) > SQUEEZED * abs(scratch.step[2]):
-        tally[STOPPED], scratch.step[1] = 1.0, scratch.step[0]
+        tally[own + STOPPED], scratch.step[1] = 1.0, scratch.step[0]
         tally[UNCONVERGED] = scratch.step[3]
-        for number in range(COUNT):
+        for number in range(len(part.sides)):
             tally[PUSHES + number] = 0.0
         set_barrier_velocity(part, scratch, parameters, 0.0)
         stop_raft(state, workspace)
-    tally[PLACE] = scratch.step[1]
+    tally[own + PLACE] = scratch.step[1]
     middle = 0.5 * (scratch.step[0] + scratch.step[1])
     add_work_of_menisci(part, scratch, parameters, state, (scratch.step[0], middle))
     put_walls(part, scratch.offset, scratch.step[1])
@@ -219,29 +236,29 @@ def add_work_of_menisci(
     put_walls(part, scratch.offset, way[1])
     work = menisci_of_walls(part.walls, parameters, state.position) - before
     state.tally[WORK] += work
-    state.tally[DONE] += work
+    state.tally[numbers_of(part) + DONE] += work
 
 
 @compiled
 def finish_barrier(part: Barrier, scratch: BarrierScratch, parameters: Parameters, state: State) -> None:
     """Add the work and the impulses of a step to the totals."""
-    tally, there = state.tally, scratch.step[1]
+    tally, there, own = state.tally, scratch.step[1], numbers_of(part)
     add_work_of_menisci(part, scratch, parameters, state, (0.5 * (scratch.step[0] + there), there))
     if acts(parameters):
-        add_pull_of_menisci(tally, parameters, state.position)
-    for number in range(COUNT):
-        tally[SUMS + number] += tally[PUSHES + number]
+        add_pull_of_menisci(part, tally, parameters, state.position)
+    for number in range(len(part.sides)):
+        tally[sums_of(part) + number] += tally[PUSHES + number]
     pushed = 0.0
     for number in part.walls:
         pushed += tally[PUSHES + number]
-    tally[DONE] += scratch.step[2] * pushed
+    tally[own + DONE] += scratch.step[2] * pushed
     tally[WORK] += scratch.step[2] * pushed
-    tally[ELAPSED] += parameters.time_step
+    tally[own + ELAPSED] += parameters.time_step
     moved = abs(scratch.step[1] - scratch.step[0])
-    pressure = pushed / (parameters.time_step * part.width * len(part.walls))
-    tally[MEAN] += moved / (moved + part.smoothing) * (pressure - tally[MEAN])
-    if tally[MEAN] > part.largest_pressure:
-        tally[STOPPED] = 1.0
+    pressure = pushed / (parameters.time_step * length_at(part, there))
+    tally[own + MEAN] += moved / (moved + part.smoothing) * (pressure - tally[own + MEAN])
+    if tally[own + MEAN] > part.largest_pressure:
+        tally[own + STOPPED] = 1.0
 
 
 def no_barrier_energy(
@@ -253,15 +270,15 @@ def no_barrier_energy(
 
 def with_barrier(part: Barrier, state: State) -> State:
     """Return the state with the barrier at its initial position."""
-    tally = np.zeros(LENGTH)
+    tally = np.zeros(numbers_of(part) + LENGTH)
     tally[: WORK + 1] = state.tally[: WORK + 1]
-    tally[PLACE] = place_at(part, 0.0)
+    tally[numbers_of(part) + PLACE] = place_at(part, 0.0)
     return state._replace(tally=tally)
 
 
 def make_barrier_scratch(part: Barrier, parameters: Parameters, state: State, workspace: Workspace) -> BarrierScratch:
     """Return the workspace, with the walls at their positions in the state."""
-    offset, place = part.sides.copy(), float(state.tally[PLACE])
+    offset, place = part.sides.copy(), float(state.tally[numbers_of(part) + PLACE])
     put_walls(part, offset, place)
     decay = float(parameters.kick.decay.min())
     return BarrierScratch(
@@ -280,22 +297,23 @@ def with_walls_of(parameters: Parameters, state: State) -> Parameters:
     if part is None:
         return parameters
     offset = part.sides.copy()
-    put_walls(part, offset, float(state.tally[PLACE]))
+    put_walls(part, offset, float(state.tally[numbers_of(part) + PLACE]))
     return parameters._replace(walls=parameters.walls._replace(offset=offset))
 
 
 def barrier_numbers(part: Barrier, state: State) -> dict[str, tuple[float, str]]:
     """The place of the barrier, the mean forces on all sides since the last frame, outward, and the work so far."""
-    tally = state.tally.tolist()
-    time = tally[ELAPSED]
-    force = [tally[SUMS + number] / time if time > 0.0 else 0.0 for number in range(COUNT)]
-    moving = [force[number] for number in part.walls]
+    own, count = numbers_of(part), len(part.sides)
+    time, place, stopped, work = state.tally[own : own + DONE + 1].tolist()
+    force = [each / time if time > 0.0 else 0.0 for each in state.tally[sums_of(part) : own].tolist()]
+    pushed = sum(force[number] for number in part.walls)
+    forces = dict(zip(SIDES, force, strict=True)) if count == len(SIDES) else {"wall": pushed}
     return {
-        "barrier_position": (tally[PLACE], "m"),
-        "surface_pressure": (sum(moving) / (len(moving) * part.width), "N/m"),
-        "barrier_work": (tally[DONE], "J"),
-        "barrier_stopped": (tally[STOPPED], "1"),
-        **{f"force_on_{side}": (each, "N") for side, each in zip(SIDES, force, strict=True)},
+        "barrier_position": (place, "m"),
+        "surface_pressure": (pushed / length_at(part, place), "N/m"),
+        "barrier_work": (work, "J"),
+        "barrier_stopped": (stopped, "1"),
+        **{f"force_on_{side}": (each, "N") for side, each in forces.items()},
     }
 
 
@@ -326,9 +344,12 @@ def fastest_barrier(dish: DishSpec | None) -> float:
     return float(np.abs(motion_of(dish.barrier)[2]).max())
 
 
-def _moving(barrier: BarrierSpec) -> list[int]:
+def _moving(barrier: BarrierSpec, count: int) -> list[int]:
+    """The numbers of the walls that move, of this many."""
+    if barrier.closes:
+        return list(range(count))
     number = SIDES.index(barrier.side)
-    return sorted({number, (number + 2) % COUNT}) if barrier.both else [number]
+    return sorted({number, (number + 2) % count}) if barrier.both else [number]
 
 
 def walls_at_start(walls: Walls, dish: DishSpec | None) -> Walls:
@@ -338,7 +359,7 @@ def walls_at_start(walls: Walls, dish: DishSpec | None) -> Walls:
     if dish is None or dish.barrier is None:
         return walls
     offset = walls.offset.copy()
-    offset[_moving(dish.barrier)] += motion_of(dish.barrier)[1][0]
+    offset[_moving(dish.barrier, len(offset))] += motion_of(dish.barrier)[1][0]
     return walls._replace(offset=offset)
 
 
@@ -347,19 +368,46 @@ def barrier_of(parameters: Parameters, scene: FloatingScene) -> Built:
     dish = scene.dish
     assert dish is not None  # noqa: S101  # for the type checker: the scene has chosen it
     assert dish.barrier is not None  # noqa: S101
-    assert dish.size is not None  # noqa: S101
-    barrier, moving = dish.barrier, _moving(dish.barrier)
-    along = 0 if barrier.side in ("left", "right") else 1
-    sides = np.array([-0.5 * dish.size[0], -0.5 * dish.size[1]] * 2)
-    limit = barrier.largest_pressure
+    barrier, walls, limit = dish.barrier, walls_of(dish), dish.barrier.largest_pressure
+    moving = _moving(barrier, len(walls.offset))
     if limit is None:
         limit = rafts.buckling_pressure(liquid_of(scene), 2.0 * float(parameters.floats.radius.max()))
-    motion = motion_of(barrier)
     smoothing = SMOOTHING * float(parameters.floats.radius.min())
-    part = Barrier(np.array(moving), sides, *motion, float(dish.size[1 - along]), limit, smoothing)
-    _require_room(part, parameters, scene, float(dish.size[along]))
+    lengths, narrowing = _lengths(walls)
+    part = Barrier(
+        np.array(moving), walls.offset.copy(), *motion_of(barrier), sum(lengths[number] for number in moving),
+        narrowing if barrier.closes else 0.0, limit, smoothing,
+    )  # fmt: skip
+    if barrier.closes:
+        _require_room_around(part, parameters, scene, walls)
+    else:
+        across = SIDES.index(barrier.side) + 1  # a side that the barrier meets
+        _require_room(part, parameters, scene, lengths[across % len(SIDES)])
     fastest = fastest_barrier(dish)
     return Built(part, RADII * float(parameters.floats.radius.min()) / fastest if fastest > 0.0 else math.inf)
+
+
+def _lengths(walls: Walls) -> tuple[list[float], float]:
+    """The lengths (m) of the sides of an enclosure by lines, in their order, and the decrease of their sum as all sides
+    move inward, over the way.
+    """
+    lengths = np.diff(surfaces.side_ends(walls), axis=1)[:, 0]
+    around = np.sort(np.arctan2(walls.normal[:, 1], walls.normal[:, 0]))
+    turns = np.diff(around, append=around[0] + 2.0 * np.pi)
+    return lengths.tolist(), 2.0 * float(np.sum(np.tan(0.5 * turns)))
+
+
+def _require_room_around(part: Barrier, parameters: Parameters, scene: FloatingScene, walls: Walls) -> None:
+    """Raise SceneError if the floats cannot fit into what a wall that closes leaves, or if it loses a side."""
+    barrier = scene.dish.barrier  # type: ignore[union-attr]
+    farthest, radius = farthest_place(part, scene.duration), parameters.floats.radius
+    key = f"dish.barrier.{_key_of_place(barrier, farthest)}"  # type: ignore[arg-type]
+    ends = surfaces.side_ends(walls._replace(offset=walls.offset + farthest + float(radius.max())))
+    fits = bool(np.all(ends[:, 1] > ends[:, 0]))
+    covered = math.pi * float(np.sum(radius**2))
+    if not fits or surfaces.area(walls._replace(offset=walls.offset + farthest)) < covered:
+        got = f"the wall closes by {with_prefix(farthest, 'm', 3)}"
+        raise scene_error(key, f"{got}, where the floats do not fit or a side vanishes; expected a shorter way")
 
 
 def farthest_place(part: Barrier, duration: float) -> float:
@@ -381,8 +429,9 @@ def _require_room(part: Barrier, parameters: Parameters, scene: FloatingScene, l
     key = f"dish.barrier.{_key_of_place(scene.dish.barrier, farthest)}"  # type: ignore[union-attr,arg-type]
     left, covered = length - len(part.walls) * farthest, math.pi * float(np.sum(parameters.floats.radius**2))
     got = f"the barrier leaves {with_prefix(max(left, 0.0), 'm', 3)} of the dish's {with_prefix(length, 'm', 3)}"
-    most = (length - max(covered / part.width, largest)) / len(part.walls)
-    if left * part.width < covered or left < largest:
+    width = part.width / len(part.walls)
+    most = (length - max(covered / width, largest)) / len(part.walls)
+    if left * width < covered or left < largest:
         at_most = with_prefix(max(most, 0.0), "m", 3)
         raise scene_error(key, f"{got}, where the floats do not fit; expected at most {at_most} from its side")
     apart = WIDEST_MENISCI * float(liquid_of(scene).capillary_length)
@@ -396,7 +445,7 @@ def _require_room(part: Barrier, parameters: Parameters, scene: FloatingScene, l
 
 def barrier_lines(part: Barrier, parameters: Parameters) -> list[tuple[str, str, str]]:
     """The rows of `ecume check`: the motion of the barrier, and the pressure at which it stops."""
-    names = " and ".join(SIDES[number] for number in part.walls)
+    names = "the whole wall" if part.narrowing > 0.0 else " and ".join(SIDES[number] for number in part.walls)
     fastest, last = float(np.abs(part.rates).max()), float(part.times[-1])
     start, end = (with_prefix(float(place), "m", 3) for place in part.places[[0, -1]])
     until = f"to {end} at {duration_text(last)}" if len(part.times) > 1 else "to the end"

@@ -418,7 +418,9 @@ def multipoles_of(parameters: Parameters, scene: FloatingScene) -> Built:
     dish, bodies, liquid = scene.dish, bodies_and_charges(kinds), liquid_of(scene)
     found = _made(lambda: make_multipoles(bodies, liquid, scene.interaction.order, parameters.cutoff, number))
     if dish is not None and acts(parameters):
-        found = meniscus_of(dish).multipoles(WALLS, found, dish, liquid)
+        between = meniscus_of(dish).multipoles
+        assert between is not None  # noqa: S101  # the option `wall` requires it
+        found = between(WALLS, found, dish, liquid)
     if not any(kind.rim[1] > 0.0 for kind in kinds):
         return Built(found, stiffness_factor=_stiffness_factor(bodies))
     moment, friction, shortest_time = _turning(parameters, scene, [kinds[k] for k in number])

@@ -15,7 +15,14 @@ from ecume.laws.friction import legacy_restitution
 from ecume.laws.pair_laws import PAIR_LAWS, PairLaw, Setting
 from ecume.models.costs import require_memory, within_steps
 from ecume.models.floating.contacts.contact_models import CONTACTS, ContactModel
-from ecume.models.floating.dishes import is_far_field, wall_law_of, wall_strengths, wall_table_of, walls_of
+from ecume.models.floating.dishes import (
+    echoes_known,
+    is_far_field,
+    wall_law_of,
+    wall_strengths,
+    wall_table_of,
+    walls_of,
+)
 from ecume.models.floating.forces.ewald_grid import DEEPEST_TOUCH, cut_off, split_of
 from ecume.models.floating.forces.flow_and_noise import drift_of, shortest_change
 from ecume.models.floating.forces.interactions import (
@@ -430,7 +437,7 @@ def _wall_of(scene: FloatingScene) -> Option:
     path, name = ("dish.law", law) if image == "none" else ("dish.image", image)
     simple = is_far_field(wall_law_of(scene))
     gives = {"point charges"} if simple or (law == "profile" and image == "none") else set()
-    gives |= {"multipoles"} if simple and law != "linear" else set()
+    gives |= {"multipoles"} if simple and law != "linear" and echoes_known(scene.dish) else set()
     return Option(slot="wall", path=path, name=repr(name), gives=frozenset(gives))
 
 
