@@ -271,7 +271,7 @@ def facing_amplitude(width: Length, contact_angle: Angle, liquid: Liquid, theory
 
 
 EXACT = 1e-4
-"""Singular values of the menisci of tangents below this, over the largest, are left out: such menisci cancel."""
+"""Singular values of the menisci of tangents below this, over the largest, count as zero: such menisci cancel."""
 
 
 def oval_amplitudes(
