@@ -538,7 +538,7 @@ def kick_twice(part: RigidKicks, scratch: ShapedScratch, parameters: Parameters,
 def finish_rigid(
     part: RigidKicks, scratch: ShapedScratch, parameters: Parameters, state: State, workspace: Workspace
 ) -> None:
-    """Take back the change of the flow until the middle of the step, which moves bodies with inertia but is none of
+    """Subtract the change of the flow until the middle of the step, which moves bodies with inertia and does not change
     their velocities; apply the second half kick, if the scheme has one.
     """
     if parameters.drift.flows and parameters.scheme.inertia:
