@@ -1,10 +1,10 @@
 """Inflows and outflows, and the loss of particles through open sides.
 
-Behind each inflow or outflow there is a buffer as long as the support. Its particles have constant velocity and are
-neighbors like others, so that the liquid has full support at the side. Behind an inflow they have the specified
-velocity, and the pressure of the liquid at the side; a particle that enters is replaced by a new one in the buffer.
-Behind an outflow they keep the velocity with which they left, and have the specified pressure; at the end of the buffer
-they are removed.
+Behind each inflow or outflow there is a buffer as long as the support. Its particles are neighbors like others, so that
+the liquid has full support at the side. Behind an inflow they have the specified velocity, and the pressure of the
+liquid at the side; a particle that enters is replaced by a new one in the buffer. Behind an outflow they start with the
+velocity with which they left, are accelerated together like the liquid beside them, and have the specified pressure; at
+the end of the buffer they are removed.
 """
 
 from __future__ import annotations
@@ -153,6 +153,20 @@ def zero_buffer_rates(state: State) -> None:
     state.acceleration[:, held] = 0.0
     state.density_rate[held] = 0.0
     state.transport[:, held] = 0.0
+
+
+def carry_outflows(parameters: Parameters, state: State) -> None:
+    """Accelerate the buffer of each outflow like the liquid beside it, on average over its support, so that it makes
+    room for liquid that starts or stops. In steady flow this is zero, and each particle keeps its own velocity.
+    """
+    for opening in parameters.open_boundaries:
+        if not opening.enters:
+            away = opening.inward * (state.position[opening.axis] - opening.place)
+            beside = (state.zone == 0) & (away >= 0.0) & (away < parameters.support)
+            if beside.any():
+                state.acceleration[opening.axis, state.zone == opening.zone] = np.mean(
+                    state.acceleration[opening.axis, beside]
+                )
 
 
 def exchange_due(parameters: Parameters, state: State) -> bool:

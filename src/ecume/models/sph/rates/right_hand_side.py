@@ -11,7 +11,7 @@ from ecume._portable import dot
 from ecume.laws import incompressible
 from ecume.models.sph.boundaries.driven_bodies import drive_bodies
 from ecume.models.sph.boundaries.forces_on_solids import forces_on_dummies, total
-from ecume.models.sph.boundaries.open_boundaries import zero_buffer_rates
+from ecume.models.sph.boundaries.open_boundaries import carry_outflows, zero_buffer_rates
 from ecume.models.sph.boundaries.rigid_bodies import accelerations_of, apparent_gravity, delay, with_moved_solids
 from ecume.models.sph.boundaries.touching_solids import exchanged_loads
 from ecume.models.sph.boundaries.walls import brake_at_walls, repel_from_bodies, repel_from_drawn, repel_from_walls
@@ -160,6 +160,7 @@ def _store_acceleration(parameters: Parameters, state: State, workspace: Workspa
         shift(parameters, state, workspace, time)
     if parameters.open_boundaries:
         zero_buffer_rates(state)
+        carry_outflows(parameters, state)
 
 
 def _push_bodies(parameters: Parameters, state: State, workspace: Workspace) -> None:
