@@ -8,7 +8,9 @@ import pytest
 
 import ecume
 from ecume.errors import SceneError
+from ecume.models.model import DONE
 from ecume.models.sph.boundaries.driven_bodies import on_path
+from ecume.models.sph.boundaries.rigid_bodies import drive_at
 from ecume.models.sph.record import SPH
 from ecume.scenes.schema import from_plain, to_plain
 from tests.models.sph.scenes import OPEN
@@ -144,6 +146,7 @@ LAWS = {
     "uniform": {"velocity": [0.1, 0.05], "spin": 2.0, "start": 0.02, "until": 0.12},
     "sine": {"amplitude": [0.02, 0.0], "angle_amplitude": 0.2, "frequency": 2.0, "pivot": [0.1, 0.02]},
     "table": TABLE,
+    "formula": {"formula": ["0.02*sin(9*t)", "0.4*t**2"], "angle_formula": "0.2*tanh(5*t)", "pivot": [0.1, 0.02]},
 }
 
 
@@ -157,6 +160,46 @@ def test_velocities_and_accelerations_on_a_path_are_the_derivatives_of_its_pose(
         np.testing.assert_allclose(now[2], (after[1] - before[1]) / (2 * step), atol=1e-5)
         turning = 2.0 * (after[0][6] - before[0][6]) / (2 * step) / now[0][3]
         assert turning == pytest.approx(now[1][5], abs=1e-7)
+
+
+@pytest.mark.parametrize("place", ["side", "body", "base_excitation"])
+def test_a_formula_is_the_sine_that_it_spells(place):
+    def scene(**motion):
+        if place == "side":
+            return basin(tank={"left": {"motion": motion}})
+        if place == "body":
+            return driven(motion)
+        return basin(base_excitation=motion)
+
+    size = 0.02 if place == "side" else [0.02, 0.01]
+    text = "{}*sin(6*t)"
+    formula = text.format(0.02) if place == "side" else [text.format(part) for part in size]
+    drives = []
+    for motion in ({"amplitude": size, "frequency": 3.0 / math.pi}, {"formula": formula}):
+        parameters = SPH.parameters(scene(**motion))
+        of_bodies = [path.drive for _, path in parameters.bodies.paths]
+        of_sides = [drive for _, drive in parameters.drives]
+        (drive,) = [*of_bodies, *of_sides] or [parameters.base_excitation]
+        drives.append([drive_at(drive, time) for time in (0.0, 0.07, 0.2)])
+        drives[-1].append(parameters.material.fastest)
+    for sine, formula in zip(*(drive[:3] for drive in drives), strict=True):
+        for one, other in zip(sine, formula, strict=True):
+            np.testing.assert_allclose(one, other, atol=1e-14)
+    assert drives[0][3] == pytest.approx(drives[1][3])
+
+
+@pytest.mark.compiled
+def test_half_a_run_twice_is_the_run_where_formulas_move_solids():
+    motion = {"formula": ["0.03*sin(9*t)*tanh(20*t)", "0"], "angle_formula": "0.1*sin(5*t)"}
+    left = {"motion": {"formula": "0.01*(1 - cos(7*t))"}}
+    scene = dataclasses.replace(driven(motion, tank={"left": left}), duration=0.1, frame_every=0.05)
+    parameters = SPH.parameters(scene)
+    whole, half = SPH.start(scene, parameters), SPH.start(scene, parameters)
+    assert SPH.advance(parameters, whole, SPH.workspace(parameters, whole, 1.0), 40) == DONE
+    for _ in range(2):
+        assert SPH.advance(parameters, half, SPH.workspace(parameters, half, 1.0), 20) == DONE
+    np.testing.assert_array_equal(half.position, whole.position)
+    np.testing.assert_array_equal(half.pose, whole.pose)
 
 
 def test_a_pivot_holds_its_place():
@@ -233,6 +276,13 @@ def test_a_flap_turns_about_any_axis_in_3d():
         ({"times": [0.0, 1.0], "angles": [0.0, 1.0], "start": 0.1}, "start: belongs to another law"),
         ({"times": [0.0, 1.0], "positions": [[0.1, 0.0], [0.1, 0.0]]}, "has moved the body at t = 0"),
         ({"amplitude": [0.3, 0.0], "frequency": 199.0 / 0.2}, "through the (left|right) side"),
+        ({"formula": ["t", "0"], "spin": 1.0}, "expected exactly one law"),
+        ({"formula": ["t"]}, "formula: got 1 formulas; the tank has 2"),
+        ({"formula": ["t", "y"]}, "formula: got 'y'; a formula knows t, pi"),
+        ({"angle_formula": "cos(t)"}, "which is 1 at t = 0; expected 0"),
+        ({"formula": ["0", "0.01*log(0.1 - t)"]}, "is -0.023 at t = 0"),
+        ({"formula": ["0", "t/(0.1 - t)"]}, "has no finite value at t = 0.1"),
+        ({"formula": ["5*t", "0"]}, "through the right side"),
     ],
 )
 def test_a_path_that_cannot_be_says_why(motion, said):

@@ -113,7 +113,7 @@ class Boundary(NamedTuple):
 
 
 class Drive(NamedTuple):
-    """A prescribed motion: amplitude (sin(turning t + phase) + start), plus a table of n values."""
+    """A prescribed motion: amplitude (sin(turning t + phase) + start), plus a table of n values, plus formulas."""
 
     amplitude: Array
     """(n,)"""
@@ -125,6 +125,8 @@ class Drive(NamedTuple):
     """(T,) s"""
     values: Array
     """(n, T)"""
+    formulas: tuple[str, ...] = ()
+    """n formulas of the time, see `ecume.engine.formulas`, or none"""
 
 
 class BodyPath(NamedTuple):

@@ -34,7 +34,7 @@ from ecume.scenes.quantities import (
     sides_along,
     up_faults,
 )
-from ecume.scenes.sph.motions import BaseExcitationSpec
+from ecume.scenes.sph.motions import BaseExcitationSpec, formula_faults
 from ecume.scenes.sph.solids import (
     BodySpec,
     ObstacleSpec,
@@ -391,6 +391,7 @@ class SphScene(Common):
         object.__setattr__(self, "gravity", downwards(self.gravity, dimension, self.up))
         complaints = [*_dimensions(self, dimension), *gauge_faults(self.gauges, self.tank), *_steps(self)]
         complaints += side_faults(self.tank, self.sides)
+        complaints += _formula_faults(self)
         gauges = [name for gauge in self.gauges for name in gauge.names]
         complaints += name_faults((("obstacles", self.obstacles), ("bodies", self.bodies)), gauges)
         complaints += passive_tracer_faults(self.passive_tracers, self.tank, self.method.turbulence)
@@ -414,7 +415,9 @@ def _dimensions(scene: SphScene, dimension: int) -> Complaints:
     if not scene.fluid:
         found.append((("fluid",), "there is no liquid; write a [[fluid]] table with low and high"))
     rows = (
-        (scene.base_excitation.amplitude or (), *scene.base_excitation.accelerations) if scene.base_excitation else ()
+        (scene.base_excitation.amplitude or (), *scene.base_excitation.accelerations, scene.base_excitation.formula)
+        if scene.base_excitation
+        else ()
     )
     for row in rows:
         if row and len(row) != dimension:
@@ -425,6 +428,20 @@ def _dimensions(scene: SphScene, dimension: int) -> Complaints:
         for index, spec in enumerate(specs):
             found += [((table, index, *path), message) for path, message in _of_shape(spec, dimension)]
     return found
+
+
+def _formula_faults(scene: SphScene) -> Complaints:
+    """The faults of formulas of motions over the duration of the run."""
+    found: Complaints = []
+    for name in scene.sides:
+        side = getattr(scene.tank, name)
+        texts = (side.motion.formula,) if side.motion is not None and side.motion.formula else ()
+        found += [(("tank", name, "motion"), fault) for fault in formula_faults(texts, scene.duration, from_zero=True)]
+    for index, body in enumerate(scene.bodies):
+        texts = body.motion.formulas() if body.motion is not None else ()
+        found += [(("bodies", index, "motion"), one) for one in formula_faults(texts, scene.duration, from_zero=True)]
+    texts = scene.base_excitation.formula if scene.base_excitation is not None else ()
+    return found + [(("base_excitation",), one) for one in formula_faults(texts, scene.duration, from_zero=False)]
 
 
 LEAST_SIDE, LEAST_BODY = 0.5, 0.1

@@ -16,6 +16,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ecume._portable import cos, dot, length, product, sinc, solve
+from ecume.engine.formulas import formula_at
 from ecume.engine.shapes import Shape
 from ecume.engine.walls import Sheet
 from ecume.engine.walls.sheets import SIZE, SPEED
@@ -381,8 +382,8 @@ def _compliance(bodies: Bodies, body: int, pose: Array, arm: Array) -> Array:
 
 
 def drive_at(drive: Drive, time: float) -> tuple[Array, Array, Array]:
-    """The value of a drive, and its first and second derivatives with respect to time; the drive is a sine or a
-    piecewise linear table.
+    """The value of a drive, and its first and second derivatives with respect to time; the drive is a sine, a piecewise
+    linear table, or formulas.
     """
     angle = drive.turning * time + drive.phase
     value = drive.amplitude * (math.sin(angle) + drive.start)
@@ -393,6 +394,9 @@ def drive_at(drive: Drive, time: float) -> tuple[Array, Array, Array]:
     piece = int(np.searchsorted(times, time, side="right"))
     if 0 < piece < len(times):
         rate = rate + (rows[:, piece] - rows[:, piece - 1]) / (times[piece] - times[piece - 1])
+    if drive.formulas:
+        jets = np.array([formula_at(text, time) for text in drive.formulas])
+        value, rate, second = value + jets[:, 0], rate + jets[:, 1], second + jets[:, 2]
     return value, rate, second
 
 

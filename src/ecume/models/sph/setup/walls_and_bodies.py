@@ -9,6 +9,7 @@ import numpy as np
 
 from ecume._portable import length, product
 from ecume.engine.cells import Integers, Sides
+from ecume.engine.formulas import formula_at
 from ecume.engine.outlines import Mesh
 from ecume.engine.shapes import Ball, Box, Polygon, Shape, fitted_axis
 from ecume.engine.walls import Surfaces, box, disc, outside, planes, polygon, sheet, together
@@ -406,6 +407,9 @@ def paths_of(scene: SphScene) -> tuple[tuple[int, BodyPath], ...]:
 def _drive_of_body(spec: BodyMotionSpec, dimension: int, duration: float) -> Drive:
     """The drive of displacement and angle of a body, four rows."""
     height, times, values = np.zeros(4), np.zeros(1), np.zeros((4, 1))
+    formulas = spec.formulas()
+    if formulas:
+        return Drive(height, 0.0, 0.0, 0.0, times, values, formulas)
     if spec.times:
         times, values = np.array(spec.times), np.zeros((4, len(spec.times)))
         if spec.positions:
@@ -461,13 +465,22 @@ def driven_speeds(scene: SphScene) -> list[float]:
     """An upper bound of the speed of each body with a prescribed motion (m/s)."""
     speeds = []
     for body, path in paths_of(scene):
-        rate = np.abs(path.drive.amplitude) * path.drive.turning
-        if len(path.drive.times) > 1:
-            rate = rate + np.abs(np.diff(path.drive.values) / np.diff(path.drive.times)).max(axis=1)
+        rate = fastest_rates(path.drive, scene.duration)
         rim = _wide(shape_of(scene.bodies[body]).rim(0.5 * scene.spacing)) - path.pivot
         reach = np.sqrt((rim**2).sum(axis=1).max())
         speeds.append(length(rate[:3]) + float(rate[3] * reach))
     return speeds
+
+
+def fastest_rates(drive: Drive, duration: float) -> Array:
+    """An upper bound of the rate of each row of a drive; of a formula the largest one at many times of a run."""
+    rate = np.abs(drive.amplitude) * drive.turning
+    if len(drive.times) > 1:
+        rate = rate + np.abs(np.diff(drive.values) / np.diff(drive.times)).max(axis=1)
+    if drive.formulas:
+        tried = np.linspace(0.0, duration, 10 * TRIED).tolist()
+        rate = rate + np.array([max(abs(formula_at(text, time)[1]) for time in tried) for text in drive.formulas])
+    return rate
 
 
 def _pose(shape: Shape, own: OwnAxes) -> list[float]:
@@ -560,6 +573,10 @@ def base_excitation_of(scene: SphScene) -> Drive | None:
 
 
 def _drive(spec: MotionSpec | BaseExcitationSpec, amplitude: object, values: object, origin: float) -> Drive:
+    if spec.formula:
+        texts = (spec.formula,) if isinstance(spec.formula, str) else spec.formula
+        none = np.zeros(len(texts))
+        return Drive(none, 0.0, 0.0, 0.0, np.zeros(1), none[:, None], texts)
     if spec.frequency is None or amplitude is None:
         return Drive(np.zeros(1), 0.0, 0.0, 0.0, np.array(spec.times), np.atleast_2d(np.array(values).T))
     height = np.atleast_1d(np.array(amplitude, np.float64))
@@ -570,9 +587,4 @@ def _drive(spec: MotionSpec | BaseExcitationSpec, amplitude: object, values: obj
 
 def fastest_drive(scene: SphScene) -> float:
     """The largest speed of a moving side."""
-    speeds = [0.0]
-    for _, drive in drives_of(scene):
-        speeds.append(float(np.abs(drive.amplitude).max()) * drive.turning)
-        if len(drive.times) > 1:
-            speeds.append(float(np.abs(np.diff(drive.values[0]) / np.diff(drive.times)).max()))
-    return max(speeds)
+    return max((float(fastest_rates(drive, scene.duration)[0]) for _, drive in drives_of(scene)), default=0.0)
