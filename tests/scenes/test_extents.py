@@ -4,8 +4,9 @@ import pytest
 from typer.testing import CliRunner
 
 from ecume.cli import app
+from ecume.errors import SceneError
 from ecume.scenes.load import load_scene
-from ecume.scenes.sph.extents import require_modest
+from ecume.scenes.schema import from_plain, to_plain
 
 SCENE = """
 model = "sph"
@@ -41,7 +42,18 @@ def test_a_drawing_in_millimeters_read_in_meters_is_refused_before_it_fills_the_
     assert done.exit_code == 2
     assert "tank: is 600 × 400 m, which are 6e+08 points at this spacing" in done.output
     assert 'outline_unit = "mm"' in done.output
-    require_modest(load_scene(file, ['tank.outline_unit="mm"']))
+    load_scene(file, ['tank.outline_unit="mm"'])
+
+
+def test_a_scene_that_python_makes_is_refused_as_well(tmp_path):
+    """Fits, sweeps and `simulate` take scenes that no verb has read."""
+    file = tmp_path / "small.toml"
+    file.write_text(SCENE.format(spacing="2 cm", tank="high = [0.6, 0.4]", more=""))
+    plain = to_plain(load_scene(file))
+    for table, more in (("obstacles", {}), ("bodies", {"density": 500.0})):
+        shape = {"vertices": [[0.0, 0.0], [600.0, 0.0], [600.0, 400.0], [0.0, 400.0]]}
+        with pytest.raises(SceneError, match=rf"{table}\[0\]: is 600 × 400 m"):
+            from_plain(plain | {table: [shape | more]})
 
 
 def test_corners_in_the_file_count_too(tmp_path):

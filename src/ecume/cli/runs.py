@@ -188,15 +188,12 @@ def run(
     from ecume.run import run as simulate
     from ecume.run.user_code import actions_from, laws_from
     from ecume.scenes.load import load_scene
-    from ecume.scenes.sph.extents import require_modest
 
     changes, table = overrides or [], thermo_table(thermo, thermo_columns, thermo_every)
     directory = out or RUNS / scene.stem
     with integrating(engine, ranks) as led:
         with questioned(scene, changes):
             asked = load_scene(scene, changes)
-            with placed(scene, changes):
-                require_modest(asked)
         if not quiet:
             for key, text in questions(scene, changes):
                 warned(f"{key}: {text}")

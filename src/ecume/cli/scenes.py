@@ -169,14 +169,11 @@ def check(scene: SceneFile, overrides: Overrides = None, laws: Laws = None, json
 
     Examples: `ecume check bowl.toml` · `ecume check bowl.toml --set "dish.radius=4 cm" --set particles[0].count=60`
     """
-    from ecume.scenes.sph.extents import require_modest
     from ecume.scenes.valid_part import load_and_examine
 
     changes = overrides or []
     with questioned(scene, changes):
         asked = load_and_examine(scene, changes, examine)
-        with placed(scene, changes):
-            require_modest(asked)
     from ecume.run.selection import names_quantities
 
     if not laws and not names_quantities(asked):
@@ -244,9 +241,6 @@ def odd_values(file: Path, changes: Sequence[str], scene: Scene) -> list[tuple[s
 def examine(scene: Scene) -> None:
     """Raise SceneError for the faults that the model finds."""
     from ecume.models import MODELS
-    from ecume.scenes.sph.extents import require_modest
-
-    require_modest(scene)
 
     MODELS[scene.model].summary(scene)
     _require_known(scene)

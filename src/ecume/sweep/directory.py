@@ -27,7 +27,6 @@ from ecume.run.until import UNTIL
 from ecume.scenes.faults import echo, read_path, value_at
 from ecume.scenes.load import OVERRIDDEN, load_scene
 from ecume.scenes.schema import Scene, from_plain, scene_hash, to_plain
-from ecume.scenes.sph.extents import require_modest
 from ecume.scenes.tables import beside, require_there
 from ecume.scenes.templates import folder as templates_folder
 from ecume.sweep.spec import (
@@ -320,7 +319,6 @@ def _plan(asked: Asked, point: Point) -> dict[str, Any]:
     source = _source(asked)
     seed = [f"seed={load_scene(source, changes).seed + point.repeat}"] if point.repeat else []
     scene = enlarged(load_scene(source, [*changes, *seed]), point.settings.get(SIZE, 1))
-    require_modest(scene)
     plain = to_plain(scene)
     plan: dict[str, Any] = {"scene": plain, "hash": scene_hash(scene), "scene_sha256": _sha256(as_json(plain))}
     if asked.laws:

@@ -34,6 +34,7 @@ from ecume.scenes.quantities import (
     sides_along,
     up_faults,
 )
+from ecume.scenes.sph.extents import size_faults
 from ecume.scenes.sph.motions import BaseExcitationSpec, formula_faults
 from ecume.scenes.sph.solids import (
     BodySpec,
@@ -392,6 +393,8 @@ class SphScene(Common):
         complaints = [*_dimensions(self, dimension), *gauge_faults(self.gauges, self.tank), *_steps(self)]
         complaints += side_faults(self.tank, self.sides)
         complaints += _formula_faults(self)
+        complaints += size_faults("obstacles", self.obstacles, self.spacing)
+        complaints += size_faults("bodies", self.bodies, self.spacing)
         gauges = [name for gauge in self.gauges for name in gauge.names]
         complaints += name_faults((("obstacles", self.obstacles), ("bodies", self.bodies)), gauges)
         complaints += passive_tracer_faults(self.passive_tracers, self.tank, self.method.turbulence)
