@@ -95,6 +95,12 @@ def _overdamped_kinds(scene: FloatingScene) -> int:
     return len(distinct_kinds(scene)[0]) if scene.integration.integrator == "overdamped" else 0
 
 
+def _noise_with_inertia(scene: FloatingScene) -> str:
+    """The kind of noise that a deck lacks, or "none"."""
+    slow = scene.integration.integrator == "overdamped"
+    return _whether(scene.hydrodynamics.brownian and not slow, "noise with inertia")
+
+
 def _bounces(scene: FloatingScene) -> float:
     """The restitution of contacts between floats; 1 without contacts."""
     return 1.0 if scene.contacts.law == "none" else scene.contacts.restitution
@@ -125,6 +131,8 @@ FLOATS = (
                 "none", "the films of LAMMPS are those of spheres deep in a liquid"),
     Expressible("hydrodynamics.interaction", lambda scene: scene.hydrodynamics.interaction, NONE,
                 "none", "the drag of each atom is its own"),
+    Expressible("hydrodynamics.brownian", _noise_with_inertia, NONE,
+                "the integrator overdamped", "the deck has noise of overdamped motion only"),
     Expressible("magnetic_field", _optional("magnetic_field", "a field"), NONE,
                 "none", "the tables hold the capillary law alone"),
     Expressible("surfactant", _optional("surfactant", "a surfactant"), NONE,

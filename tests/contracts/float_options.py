@@ -68,6 +68,8 @@ OPTIONS: dict[str, tuple[str, dict[str, str]]] = {
 """What it is a choice of, and the lines that a scene has for it, table by table."""
 SUPPORT = dict.fromkeys(("films", "noise", "flow of neighbors"), 'integrator = "overdamped"\n')
 """The integrator that an option takes where the other one chooses none."""
+INERTIA = {"velocity-verlet", "explicit-euler", "semi-implicit-euler", "stormer-verlet"}
+"""Integrators with which collisions between Brownian floats must be elastic."""
 NEW = {
     ("pair-corrected", "dipoles"),
     ("pair-corrected", "films"),
@@ -96,6 +98,23 @@ NEW = {
     ("shapes", "active forces"),
     ("films", "velocity-verlet"),
     ("films", "explicit-euler"),
+    ("one-sided law", "dipoles"),
+    ("one-sided law", "films"),
+    ("one-sided law", "springs"),
+    ("one-sided law", "friction"),
+    ("one-sided law", "rolling friction"),
+    ("one-sided law", "magnetic field"),
+    ("multipole", "waves"),
+    ("friction", "stormer-verlet"),
+    ("friction", "rk4"),
+    ("friction", "waves"),
+    ("rolling friction", "stormer-verlet"),
+    ("rolling friction", "rk4"),
+    ("rolling friction", "waves"),
+    ("velocity-verlet", "noise"),
+    ("explicit-euler", "noise"),
+    ("semi-implicit-euler", "noise"),
+    ("stormer-verlet", "noise"),
 }
 """Pairs that used to be refused."""
 
@@ -116,6 +135,8 @@ def scene_with(*names: str) -> Any:
     for name in names:
         for table, lines in OPTIONS[name][1].items():
             tables[table] += lines
+    if "noise" in names and INERTIA & set(names):
+        tables["contacts"] += "restitution = 1.0\n"
     if "integrator" not in tables["integration"]:
         tables["integration"] += next((SUPPORT[name] for name in names if name in SUPPORT), "")
     floats = "".join(

@@ -90,6 +90,15 @@ TOGETHER = [
     ("noise", "flow of neighbors", "friction"),
     ("noise", "flow of neighbors", "no contacts"),
     ("noise", "shapes"),
+    ("noise", "velocity-verlet"),
+    ("noise", "stormer-verlet"),
+    ("friction", "rk4"),
+    ("rolling friction", "stormer-verlet"),
+    ("waves", "friction"),
+    ("waves", "friction", "overdamped"),
+    ("waves", "multipole"),
+    ("one-sided law", "friction"),
+    ("one-sided law", "films"),
 ]
 """Options whose states meet only together."""
 

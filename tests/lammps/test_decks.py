@@ -197,6 +197,7 @@ REFUSED = {
     "user_laws": {"more": '[[user_laws]]\nlaw = "spring"\nspecies = ["light", "heavy"]'},
     "hydrodynamics.drag": {"more": '[hydrodynamics]\ndrag = "schiller-naumann"'},
     "hydrodynamics.lubrication": {"more": "[hydrodynamics.lubrication]\nroughness = 1e-6"},
+    "hydrodynamics.brownian": {"more": "[hydrodynamics]\nbrownian = true"},
     "hydrodynamics.interaction": {"more": '[hydrodynamics]\ninteraction = "rotne-prager"'},
     "activity": {"more": "[activity]\ntorque = 1e-9"},
     "magnetic_field": {"more": "[magnetic_field]\nsusceptibility = 1.0"},

@@ -108,13 +108,28 @@ def test_propulsion_is_along_the_heading_of_the_float():
     assert frame.arrays["angle"] == pytest.approx(whole.turning[:, 0] + whole.active[:, 2])
 
 
+@pytest.mark.parametrize("integrator", ["velocity-verlet", "overdamped"])
+def test_friction_changes_no_bit_of_floats_that_do_not_touch(integrator):
+    sources, found = (source((1.5e-3, 0.0)), source((-1e-3, 5e-4), 2e-4, 0.7)), []
+    for rubbing in (0.0, 0.4):
+        more = f'[interaction]\nlaw = "none"\n[contacts]\nfriction = {rubbing}\n'
+        more += f'[integration]\nintegrator = "{integrator}"\n'
+        parameters, state, workspace = begun(
+            discs([(0.0, 0.0), (7e-3, 1e-3)], *sources, headings=(0.3, 2.0), more=more)
+        )
+        assert FLOATING.advance(parameters, state, workspace, 20) == 0
+        found.append((state.position, state.turning))
+    for one, other in zip(*found, strict=True):
+        assert one == pytest.approx(other, rel=1e-12)
+    assert np.all(np.abs(found[0][1][:, 1]) > 1e-6)
+
+
 @pytest.mark.parametrize(
     ("sources", "headings", "more", "reason"),
     [
         ([source((3e-3, 0.0))], (), "", r"waves\.sources\[0\]\.place: is 0\.003 m from the center"),
         ([source((0.0, 0.0))], (1.0,), "", r"waves\.headings: got 1 headings; expected one for each of 2"),
         ([source((0.0, 0.0)) + 'species = "fish"\n'], (), "", "fish"),
-        ([source((0.0, 0.0))], (), "[contacts]\nfriction = 0.3\n", "transmitted by their contacts"),
         ([source((0.0, 0.0))], (), '[hydrodynamics]\ndrag = "none"\n', "waves take their energy from outside"),
     ],
 )

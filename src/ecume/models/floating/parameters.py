@@ -335,6 +335,16 @@ def is_driven(parameters: Parameters) -> bool:
     return bool(drift.flows or drift.sway.moves or drift.thermal > 0.0 or drift.active)
 
 
+def is_diffusing(parameters: Parameters) -> bool:
+    """Whether thermal noise moves floats that have no inertia."""
+    return bool(parameters.drift.thermal > 0.0 and not parameters.scheme.inertia)
+
+
+def is_langevin(parameters: Parameters) -> bool:
+    """Whether floats have inertia and thermal noise: drag then acts together with the noise, not in the kicks."""
+    return bool(parameters.drift.thermal > 0.0 and parameters.scheme.inertia)
+
+
 def make_state(position: Array, velocity: Array) -> State:
     """Return a state at time 0; parts may replace the empty arrays."""
     count = len(position)

@@ -508,8 +508,8 @@ def default_drag(scene: FloatingScene) -> str:
     sways = scene.dish is not None and scene.dish.motion is not None
     viscous = scene.liquid.viscosity != 0.0 or scene.liquid.gas_viscosity > 0.0
     slow = scene.integration.integrator not in DRAG_BY_SPEED or not viscous
-    films = scene.hydrodynamics.lubrication is not None
-    return "stokes" if slow or sways or films or scene.shaped else "schiller-naumann"
+    films, noisy = scene.hydrodynamics.lubrication is not None, scene.hydrodynamics.brownian
+    return "stokes" if slow or sways or films or noisy or scene.shaped else "schiller-naumann"
 
 
 def species_of(scene: FloatingScene) -> list[tuple[str, str | None]]:

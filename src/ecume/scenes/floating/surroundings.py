@@ -336,8 +336,8 @@ class HydrodynamicsSpec:
 
     drag: LawName | None = None
     """The drag law: `stokes` for slow floats, `schiller-naumann`, which grows with the Reynolds number, or `none`.
-    By default `schiller-naumann`; `stokes` for integrators that cannot, for shapes, with films and in moving dishes;
-    `none` in `legacy-2022`. Effect: without drag floats oscillate around each other."""
+    By default `schiller-naumann`; `stokes` for integrators that cannot, for shapes, with films or noise, and in moving
+    dishes; `none` in `legacy-2022`. Effect: without drag floats oscillate around each other."""
     added_mass: Switch = False
     """Whether the inertia of spheres includes half the mass of the displaced liquid. Effect: makes floats slower to
     accelerate."""
@@ -349,9 +349,9 @@ class HydrodynamicsSpec:
     or `rotne-prager`, with the integrator `overdamped`. Example: `"rotne-prager"`. Effect: rafts move faster than
     single floats, and floats carry their neighbors along."""
     brownian: Switch = False
-    """Brownian motion at the temperature of the liquid; requires the integrator `overdamped`. Effect: adds thermal
-    noise, which disperses floats below a few micrometers, and turns the headings of active floats and of floats that
-    waves turn."""
+    """Brownian motion at the temperature of the liquid. With inertia (any integrator but `overdamped` and `rk4`) it
+    needs elastic collisions, and steps below the relaxation time of the drag. Effect: adds thermal noise, which
+    disperses floats below a few micrometers, and turns the headings of active floats and of floats that waves turn."""
 
     @property
     def resists(self) -> bool:

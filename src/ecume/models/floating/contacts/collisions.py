@@ -45,6 +45,7 @@ from ecume.models.floating.parameters import (
     Workspace,
     add_rows,
     copy_rows,
+    is_diffusing,
     memory_of,
 )
 from ecume.models.floating.setup.kinds import FloatKind, distinct_kinds, turning_frictions
@@ -192,11 +193,14 @@ def friction_of(parameters: Parameters, scene: FloatingScene, interactions: tupl
 
 
 def friction_at_step(part: Friction, parameters: Parameters, turned: Array | None, pushed: bool) -> Friction:
-    """Return the part with the constants of its spin kicks, which contain the drag only if no interaction turns the
-    floats.
+    """Return the part with the constants of its spin kicks, which contain the drag, unless that is in the kicks of
+    an interaction that turns the floats.
     """
-    friction = part.decay if turned is None else np.zeros_like(part.decay)
-    decay, spin_mobility = spin_kick(parameters, part.inertia, friction)
+    dragged = turned is None or not parameters.scheme.inertia
+    decay, spin_mobility = spin_kick(parameters, part.inertia, part.decay if dragged else np.zeros_like(part.decay))
+    if turned is not None and not parameters.scheme.inertia:
+        # The spin before contacts is that by the torques of interactions at this time.
+        decay = np.ones_like(decay)
     walls = np.zeros(len(parameters.kick.mobility) - len(spin_mobility))
     timed = part._replace(decay=decay, spin_mobility=np.concatenate([spin_mobility, walls]))
     found: Friction = variant_of(timed, parameters, pushed)
@@ -273,7 +277,7 @@ def variant_of(part: Any, parameters: Parameters, pushed: bool) -> Any:
     code for these.
     """
     variants = VARIANTS[type(part)]
-    kind = variants.brownian if parameters.drift.thermal > 0.0 else variants.pushed if pushed else type(part)
+    kind = variants.brownian if is_diffusing(parameters) else variants.pushed if pushed else type(part)
     return kind(*part)
 
 

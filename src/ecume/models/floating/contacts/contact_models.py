@@ -168,8 +168,6 @@ CONTACTS = {
         state=with_friction_impulses,
         inertia=lambda part: np.asarray(part.inertia), gives=frozenset({"apart", "lubricated", "full mobility"}),
         needs={
-            "reciprocal": "spins take what the law's momentum lacks",
-            "kicks spins": "angles and spins go with the kicks of the velocities",
             "round": "the solver for outlines knows smooth surfaces only",
         },
     ),
@@ -178,7 +176,6 @@ CONTACTS = {
         before_drift=push_before_drift, at_end=push_at_end, energy=spring_energies, stores_overlaps=True,
         laws=(friction.spring_push, friction.dashpot_restitution), gives=frozenset({"apart", "no spins"}),
         needs={
-            "reciprocal": "its energy is compared with that of the pair law",
             "springs": "others gain energy from springs, or see their forces within a step",
             "round": "a spring between outlines would need the depth of their overlap",
         },

@@ -219,7 +219,7 @@ INTERACTIONS = {
         path="interaction.method", name="'multipole'", constants=Multipoles, make=multipoles_of,
         add_forces=multipole_forces, energy=multipole_energy, scratch=make_multipole_scratch,
         kick_spins=kick_multipole_spins, state=_with_amplitudes, inertia=_turned,
-        gives=ROUND | {"undulations"}, laws=(multipole.solve,),
+        gives=ROUND | {"undulations", "no torques"}, laws=(multipole.solve,),
         needs={
             "menisci": "multipoles are the shape of the liquid's surface",
             "multipoles": "the surface between floats and wall is solved as a whole",
@@ -240,7 +240,6 @@ INTERACTIONS = {
         arrays=lambda part: {"magnetic_moment": (part.moment.copy(), "A*m^2")},
         gives=ROUND | {"moving walls", "pair sum", "undulations", "grid", "superposed", "no torques"},
         laws=(pair_laws.dipole_force,),
-        needs={"reciprocal": "the energy of the dipoles is kept together with that of the law"},
     ),
     "magnetic field": Interaction(
         path="magnetic_field", name="a magnetic field", constants=MagneticField, make=magnetic_field_of,
@@ -249,7 +248,6 @@ INTERACTIONS = {
         gives=ROUND | {"moving walls", "pair sum", "undulations", "grid", "no torques"},
         laws=(pair_laws.oblique_dipole_energy, pair_laws.induced_moment),
         needs={
-            "reciprocal": "the energy of the moments is kept together with that of the law",
             "round": "induced moments are those of spheres",
             "kicks at the ends": "the field is renewed once per step",
         },
@@ -292,7 +290,6 @@ INTERACTIONS = {
             "no torques": "menisci that turn floats and waves that turn them are not combined",
             "open": "waves of images would overlap to infinity",
             "single drag": "the flow of a float that turns moves its neighbors",
-            "no spins": "a torque on floats that rub is transmitted by their contacts",
         },
     ),
     "surfactant": Interaction(
@@ -357,7 +354,6 @@ RESISTANCES = {
     "films": Resistance(
         path="hydrodynamics.lubrication", name="a film", constants=Films, make=films_of, slow=apply_films,
         needs={
-            "reciprocal": "films keep momentum, and so must the law",
             "kicks at the ends": "a film slows the velocity after each kick",
             "drag": "the friction of a film is a multiple of the drag of its floats",
             "stokes": "the friction of a film is a multiple of Stokes's drag",

@@ -68,6 +68,8 @@ class Waves(NamedTuple):
     """m"""
     steepness: float
     """the largest wavenumber times amplitude, one wavelength from a source"""
+    advances_angles: bool
+    """whether no contacts with friction advance the angles"""
 
 
 class WavesScratch(NamedTuple):
@@ -160,8 +162,8 @@ def add_at(scratch: WavesScratch, i: int, arm_x: float, arm_y: float, x: float, 
 
 @compiled
 def kick_wave_spins(part: Waves, scratch: WavesScratch, parameters: Parameters, state: State, first: bool) -> None:
-    """Apply half a kick to the spins, solved exactly with drag; advance the angles after the first half. After the
-    second half, add the work of the step by the mean of the forces at both ends.
+    """Apply half a kick to the spins, solved exactly with drag. After the first half, advance angles unless contacts
+    do so; after the second, add the work of the step by the mean of the forces at both ends.
     """
     time, count = parameters.time_step, len(scratch.torque)
     for i in range(count):
@@ -177,7 +179,7 @@ def kick_wave_spins(part: Waves, scratch: WavesScratch, parameters: Parameters, 
         for i in range(count):
             before[i, 0], before[i, 1], before[i, 2] = scratch.force[i, 0], scratch.force[i, 1], scratch.torque[i]
             before[i, 3], before[i, 4], before[i, 5] = state.position[i, 0], state.position[i, 1], scratch.turning[i, 0]
-            scratch.turning[i, 0] += time * scratch.turning[i, 1]
+            scratch.turning[i, 0] += time * scratch.turning[i, 1] if part.advances_angles else 0.0
         # The headings of active floats diffuse already.
         if parameters.drift.thermal > 0.0 and len(scratch.active) == 0:
             turn_by_noise(part, scratch, parameters, int(state.step[0]))
@@ -231,7 +233,7 @@ def waves_of(parameters: Parameters, scene: FloatingScene) -> Built:
     strongest = float(np.max(np.bincount(owner, np.hypot(*press.T))))
     part = Waves(
         owner, place, press, table, spacing, inertia, friction, found.wavelength, found.decay_length,
-        radiated_waves.steepness(float(np.hypot(*press.T).max()), found),
+        radiated_waves.steepness(float(np.hypot(*press.T).max()), found), not scene.rubs,
     )  # fmt: skip
     arm = float(np.hypot(*place.T).max())
     gap = 2.0 * float(radius[owner].min()) - 2.0 * arm

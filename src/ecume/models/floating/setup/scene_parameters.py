@@ -85,6 +85,7 @@ def parameters_of(scene: FloatingScene, further: tuple[Interaction, ...] = ()) -
     if further:
         chosen = chosen._replace(interactions=(*chosen.interactions, *further), grid_allowed=False)
     require_compatible(options_of(scene, chosen), TABLES)
+    _require_elastic(scene, chosen)
     parameters, requested = _parameters_with(scene, chosen, 1.0), scene.integration.time_step
     longer = 1.0 if requested is None else requested / good_step(parameters, scene)
     # Floats that move farther in a step require lists with a longer range.
@@ -135,6 +136,21 @@ def _parameters_with(scene: FloatingScene, chosen: Chosen, longer: float) -> Par
     return timed._replace(parts=Parts(integrator, parts, tuple(each.part for each in slowing), contacts))
 
 
+def _require_elastic(scene: FloatingScene, chosen: Chosen) -> None:
+    """Raise SceneError if collisions would cool floats with inertia and thermal noise below the temperature."""
+    if not scene.hydrodynamics.brownian or not chosen.integrator.scheme.inertia:
+        return
+    given = [("contacts.restitution", _restitution(scene))] if scene.contacts.law != "none" else []
+    given += [("dish.restitution", scene.dish.restitution)] if scene.dish is not None else []
+    faults = [
+        Fault(path, f"got {got:g}; expected 1 for hydrodynamics.brownian with inertia: collisions that lose energy "
+              "cool floats below liquid.temperature. With integration.integrator = 'overdamped' they do not rebound")
+        for path, got in given if got < 1.0
+    ]  # fmt: skip
+    if faults:
+        raise SceneError(faults)
+
+
 def initial_area(parameters: Parameters, scene: FloatingScene) -> float:
     """The area (m^2) that the floats cover at the start."""
     region = region_of(parameters)
@@ -174,8 +190,11 @@ def _without_parts(scene: FloatingScene, chosen: Chosen, longer: float) -> Param
     strength = law.strength if row.menisci else 0.0
     mirrored = scene.dish is not None and scene.dish.image != "none"
     walls, scheme = walls_of(scene.dish), chosen.hydrodynamics.moves(chosen.integrator).scheme
-    scheme = scheme._replace(drags_along=scheme.drags_along and not scene.shaped)
-    skin = longer * max(0.2 * largest, min(0.4 * length, largest), SKIN_OVER_NOISE * (drift.thermal > 0.0) * largest)
+    brownian = drift.thermal > 0.0
+    apart = scene.shaped or (brownian and scheme.inertia)
+    scheme = scheme._replace(drags_along=scheme.drags_along and not apart)
+    noisy = SKIN_OVER_NOISE * largest if brownian and not scheme.inertia else 0.0
+    skin = longer * max(0.2 * largest, min(0.4 * length, largest), noisy)
     swings = drift.sway.turning if np.any(drift.sway.amplitude) else 0.0
     return Parameters(
         time_step=0.0,
@@ -336,6 +355,7 @@ def options_of(scene: FloatingScene, chosen: Chosen) -> list[Option]:
     surroundings = [pair_option(law), _drag_of(scene), _wall_of(scene), chosen.hydrodynamics]
     active = [
         (hydrodynamics.brownian, NOISE),
+        (hydrodynamics.brownian and "keeps inertia" in chosen.integrator.gives, LANGEVIN),
         (scene.drag == DRAG_LAWS[1], FAST_DRAG),
         (scene.flow is not None, FLOW),
         (scene.dish is not None and scene.dish.motion is not None, SWAY),
@@ -351,9 +371,20 @@ def options_of(scene: FloatingScene, chosen: Chosen) -> list[Option]:
 NOISE = Option(
     slot="noise", path="hydrodynamics.brownian", name="Brownian motion",
     needs={
-        "no inertia": "only there is the noise of a step a displacement of known variance",
+        "takes noise": "noise has no derivative, on which the order of such a scheme rests",
+        "stokes": "fluctuations are known for a drag that is proportional to the velocity",
         "drag": "noise and drag belong together",
         "independent": "floats that share films are moved by noise that is correlated",
+    },
+)  # fmt: skip
+
+LANGEVIN = Option(
+    slot="noise with inertia", path="integration.integrator", name="Brownian motion with inertia",
+    needs={
+        "round": "with inertia, the noise of two velocities of each float is known, but not that of its spin",
+        "no torques": "spins would need noise, too",
+        "no spins": "spins would need noise, too",
+        "at rest": "the liquid of a dish in motion is not in equilibrium, from which the noise is known",
     },
 )  # fmt: skip
 
@@ -394,6 +425,8 @@ TURNING = Option(
     needs={
         "kicks spins": "its spin goes with the kicks of the velocities",
         "keeps inertia": "the law for its spin has a moment of inertia",
+        "no torques": "the torques of menisci and of waves on one float are not added up",
+        "no noise": "its spin would need noise, too",
     },
 )  # fmt: skip
 

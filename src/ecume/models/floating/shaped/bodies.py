@@ -582,7 +582,9 @@ def bound_rigid_travel(
 
 
 @compiled
-def store_rigid(part: RigidKicks, scratch: ShapedScratch, state: State, workspace: Workspace) -> None:
+def store_rigid(
+    part: RigidKicks, scratch: ShapedScratch, parameters: Parameters, state: State, workspace: Workspace
+) -> None:
     """Store velocities and spins in the state."""
     store(state, workspace.midstep_velocity)
 

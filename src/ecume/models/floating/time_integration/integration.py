@@ -141,7 +141,7 @@ def step(parts: Parts, scratches: Scratch, parameters: Parameters, state: State,
         apply_resistances(parts.resistances, scratches.resistances, parameters, state, workspace, False)
     if parameters.scheme.contacts_at_end:
         contacts_at_end(parts.contacts, scratches.contacts, parameters, state, workspace)
-    store(parts.integrator, scratches.integrator, state, workspace)
+    store(parts.integrator, scratches.integrator, parameters, state, workspace)
     kick_spins(parts.interactions, scratches.interactions, parameters, state, False)
     state.step[0] += 1
 

@@ -19,7 +19,7 @@ from ecume._jit import admit, compiled, compiled_inside, composed, selected
 from ecume._tables import by_constants
 from ecume.engine.philox import counter_of, normals
 from ecume.laws import brownian_motion, drag, moving_dish
-from ecume.laws.brownian_motion import diffusivity
+from ecume.laws.brownian_motion import diffusivity, velocity_variance
 from ecume.laws.drag import schiller_naumann_factor
 from ecume.laws.moving_dish import left_behind, sway_acceleration, sway_velocity
 from ecume.models.floating.coupled.hydrodynamics import (
@@ -54,6 +54,7 @@ from ecume.models.floating.parameters import (
     clear,
     copy_rows,
     is_driven,
+    is_langevin,
 )
 from ecume.models.floating.shaped.bodies import (
     RigidKicks,
@@ -221,6 +222,14 @@ class DrivenKicks(NamedTuple):
     """Kicks of floats on which noise, a current, a moving dish or other sources do work."""
 
 
+class LangevinKicks(NamedTuple):
+    """Kicks of floats with inertia and thermal noise, without drag, which `thermalize` includes."""
+
+
+class LangevinStoermer(NamedTuple):
+    """Stoermer's scheme of floats with inertia and thermal noise."""
+
+
 class RungeKutta(NamedTuple):
     """The classical scheme of fourth order."""
 
@@ -362,6 +371,28 @@ def fastest_kicked(part: Any, scratch: Any, parameters: Parameters, state: State
 
 
 @compiled
+def thermalize(part: Any, scratch: Any, parameters: Parameters, state: State, workspace: Workspace) -> None:
+    """Relax the velocities during one step by drag and thermal noise: Ornstein and Uhlenbeck's process
+    [uhlenbeck1930], exact for any step, toward the velocity of the surface. It alternates with steps that contain all
+    other forces [bussi2007]; its half steps at the end of one step and at the beginning of the next are one. Add the
+    work of drag and noise together.
+    """
+    drift, velocity, floats, time = parameters.drift, state.velocity, parameters.floats, parameters.time_step
+    now, step, gained = (state.step[0] + 1) * time, int(state.step[0]), 0.0
+    for i in range(len(velocity)):
+        ratio, flow_x, flow_y, x, y = time / floats.relaxation_time[i], 0.0, 0.0, velocity[i, 0], velocity[i, 1]
+        if drift.flows:
+            flow_x, flow_y = current_at(drift, now, state.position[i, 0], state.position[i, 1])
+        kept, spread = math.exp(-ratio), math.sqrt(drift.thermal / floats.mass[i] * velocity_variance(ratio))
+        along, across = normals(counter_of(i, step, 0), drift.seed)
+        velocity[i, 0] = flow_x + kept * (x - flow_x) + spread * along
+        velocity[i, 1] = flow_y + kept * (y - flow_y) + spread * across
+        gained += 0.5 * floats.mass[i] * (velocity[i, 0] ** 2 + velocity[i, 1] ** 2 - x * x - y * y)
+    if len(state.tally) > WORK:
+        state.tally[WORK] += gained
+
+
+@compiled
 def drift_straight(part: Any, scratch: Any, parameters: Parameters, state: State, workspace: Workspace) -> None:
     """Advance positions with the midstep velocities."""
     advance_rows(state.position, workspace.midstep_velocity, parameters.time_step)
@@ -391,7 +422,7 @@ class Integrator(Option):
     floats travel as far as their centers
     """
     store: Callable[..., None] | None = None
-    """store(part, scratch, state, workspace): write velocities into the state at the end of a step"""
+    """store(part, scratch, parameters, state, workspace): complete the velocities in the state at the end of a step"""
     highest_speed: Callable[..., float] = fastest_kicked
     """highest_speed(part, scratch, parameters, state, workspace): without contacts and noise"""
     add_work: Callable[..., None] | None = add_work_of_kicks
@@ -416,7 +447,9 @@ class Integrator(Option):
     """memory(part): bytes in addition to those of each float"""
 
 
-KICK_CAPABILITIES = frozenset({"kicks at the ends", "fast drag", "sways", "kicks spins", "keeps inertia"})
+KICK_CAPABILITIES = frozenset(
+    {"takes noise", "kicks at the ends", "fast drag", "sways", "kicks spins", "keeps inertia"}
+)
 
 
 def _row(name: str, scheme: Scheme, gives: frozenset[str], **rest: Any) -> Integrator:
@@ -445,7 +478,7 @@ INTEGRATORS = {
     "stormer-verlet": _row(
         "stormer-verlet",
         Scheme(half_kicks=False, inertia=True, drifts_first=False, contacts_at_end=True, forces_at_end=False),
-        frozenset({"keeps inertia"}),
+        frozenset({"keeps inertia", "takes noise"}),
         constants=Stoermer, predict=predict_stoermer, finish=finish_stoermer,
     ),
     "semi-implicit-euler": _row(
@@ -462,7 +495,8 @@ INTEGRATORS = {
     "overdamped": _row(
         "overdamped",
         Scheme(half_kicks=False, inertia=False, drifts_first=False, contacts_at_end=False, forces_at_end=True),
-        frozenset({"kicks at the ends", "sways", "kicks spins", "springs", "turns bodies", "no inertia"}),
+        frozenset({"kicks at the ends", "sways", "kicks spins", "springs", "turns bodies", "no inertia"})
+        | {"takes noise"},
         needs={"drag": "without inertia, drag alone says how fast a force moves a float"},
     ),
 }  # fmt: skip
@@ -476,6 +510,12 @@ DRIVEN_KICKS = replace(
 """Replaces the functions of schemes with kicks for floats on which something does work: most floats are at rest, and
 need not compile them.
 """
+LANGEVIN_KICKS = replace(INTEGRATORS["velocity-verlet"], constants=LangevinKicks, store=thermalize)
+LANGEVIN_STOERMER = replace(
+    INTEGRATORS["stormer-verlet"], constants=LangevinStoermer, store=thermalize, add_work=None, add_heat=None
+)
+"""Replace schemes with inertia for floats with thermal noise."""
+
 RIGID = Integrator(
     slot="rigid integrator", path="particles", name="a float with a shape",
     scheme=Scheme(half_kicks=True, inertia=True, drifts_first=False, contacts_at_end=True, forces_at_end=True),
@@ -503,7 +543,8 @@ OF_THE_CHOICE = frozenset({"name", "path", "scheme", "gives", "needs", "drag_lim
 """Fields that are read from the row that a scene chooses, so that rows with kicks may differ in them."""
 
 INTEGRATORS_BY_CONSTANTS = by_constants(
-    (*INTEGRATORS.values(), DRIVEN_KICKS, RIGID, COUPLED, COUPLED_ON_GRID), OF_THE_CHOICE
+    (*INTEGRATORS.values(), DRIVEN_KICKS, LANGEVIN_KICKS, LANGEVIN_STOERMER, RIGID, COUPLED, COUPLED_ON_GRID),
+    OF_THE_CHOICE,
 )
 
 predict = selected(INTEGRATORS_BY_CONSTANTS, "predict")
@@ -520,5 +561,9 @@ move_dish = selected(INTEGRATORS_BY_CONSTANTS, "move_dish")
 
 
 def kicks_of(integrator: Integrator, parameters: Parameters) -> Any:
-    """The constants of an integrator, in a separate type for kicks of floats on which external sources do work."""
+    """The constants of an integrator, in separate types for kicks of floats on which external sources do work, and for
+    floats with inertia and thermal noise.
+    """
+    if is_langevin(parameters):
+        return LangevinKicks() if integrator.constants is Kicks else LangevinStoermer()
     return DrivenKicks() if integrator.constants is Kicks and is_driven(parameters) else integrator.constants()

@@ -16,7 +16,17 @@ from ecume.models.floating.forces.barrier import fastest_barrier
 from ecume.models.floating.forces.flow_and_noise import fastest_at_nodes
 from ecume.models.floating.forces.pair_forces import law_of, row_of, two_floats
 from ecume.models.floating.options import scene_error
-from ecume.models.floating.parameters import CAPILLARY_LENGTH, Drift, Floats, Kick, Parameters, Scheme, distinct_rows
+from ecume.models.floating.parameters import (
+    CAPILLARY_LENGTH,
+    Drift,
+    Floats,
+    Kick,
+    Parameters,
+    Scheme,
+    distinct_rows,
+    is_diffusing,
+    is_langevin,
+)
 from ecume.models.floating.setup.places import given_places, outermost_places
 from ecume.models.step_counts import ending_on_a_step
 from ecume.units import Array
@@ -30,6 +40,13 @@ GOOD = 0.05
 COARSE_OVER_GOOD = 4.0
 UNSTABLE_OVER_GOOD = 20.0
 """Above this factor the scheme is unstable."""
+
+FAST = 4.0
+"""A speed that few floats exceed, over the thermal velocity along one axis."""
+KEPT = 0.2
+"""Time step over the relaxation time of floats with inertia and noise: diffusion is too fast by a twelfth of its
+square, 0.3 %.
+"""
 
 RAFT_NEIGHBORS = 6.0
 PACKED = 0.9069
@@ -94,6 +111,7 @@ def longest_good_step(parameters: Parameters, speed: float) -> float:
     stiffness, mass = stiffness_over_mass(parameters)
     friction = _least_friction(parameters.floats)
     slow, skin = not parameters.scheme.inertia, parameters.skin
+    speed = max(speed, thermal_speed(parameters))
     scales = [
         max(0.0 if slow else math.sqrt(m / k), friction / k) if k > 0.0 else math.inf
         for k, m in zip(stiffness, mass, strict=True)
@@ -137,11 +155,22 @@ def raft_pull(parameters: Parameters, charge: Array, area: float) -> Array:
     return np.full(len(charge), whole)
 
 
+def thermal_speed(parameters: Parameters) -> float:
+    """The speed (m/s) that few floats with inertia and thermal noise exceed; zero for all others."""
+    variance = parameters.drift.thermal / float(parameters.floats.mass.min())
+    return FAST * math.sqrt(variance) if is_langevin(parameters) else 0.0
+
+
 def diffusion_step(parameters: Parameters) -> float:
-    """The time (s) in which the r.m.s. displacement of a float along one axis is GOOD of its radius."""
+    """The longest time step (s) that resolves thermal noise: the r.m.s. displacement of a float along one axis is GOOD
+    of its radius, and with inertia its velocity is kept for several steps.
+    """
     thermal, floats = parameters.drift.thermal, parameters.floats
     if thermal == 0.0:
         return math.inf
+    if parameters.scheme.inertia:
+        slow = np.sqrt(floats.mass / thermal)
+        return float(min(KEPT * floats.relaxation_time.min(), np.min(GOOD * floats.radius * slow)))
     friction = floats.mass / floats.relaxation_time
     return float(np.min((GOOD * floats.radius) ** 2 * friction)) / (2.0 * thermal)
 
@@ -181,6 +210,12 @@ def good_step(parameters: Parameters, scene: FloatingScene) -> float:
     return longest_good_step(parameters, _speeds(parameters, scene))
 
 
+def without_drag(parameters: Parameters) -> Floats:
+    """The floats as kicks see them: drag that acts together with noise is apart."""
+    floats = parameters.floats
+    return floats._replace(relaxation_time=np.full(len(floats.mass), np.inf)) if is_langevin(parameters) else floats
+
+
 class Step(NamedTuple):
     """A time step and the constants that depend on it."""
 
@@ -205,11 +240,10 @@ def step_of(parameters: Parameters, scene: FloatingScene) -> Step:
     if given is None:
         steps = ending_on_a_step(scene, steps)
     time_step = frame / steps
-    kick = kick_of(
-        parameters.scheme, time_step, parameters.floats, len(parameters.kick.mobility) - len(parameters.floats.mass)
-    )
+    walls = len(parameters.kick.mobility) - len(parameters.floats.mass)
+    kick = kick_of(parameters.scheme, time_step, without_drag(parameters), walls)
     jump = NOISE_DEVIATIONS * math.sqrt(2.0 * parameters.drift.thermal * float(kick.gain.max()) * time_step)
-    jump = (jump if parameters.drift.thermal > 0.0 else 0.0) + time_step * _swaying(parameters, kick)
+    jump = (jump if is_diffusing(parameters) else 0.0) + time_step * _swaying(parameters, kick)
     jump += 2.0 * time_step * fastest_barrier(scene.dish)  # the speed of a float that rebounds from it
     drift = parameters.drift._replace(jump=jump)
     return Step(time_step, steps, kick, drift)
