@@ -34,6 +34,11 @@ MOST_STEPS = 1500
 ROUNDED = 1e-10
 """Of modulus times radius squared: smaller forces are rounding of positions, and so are their energies."""
 
+LEAN = 1e2
+"""Of the rounding of a pressure: a millionth of so small a stress, 1e-14 of the modulus, is the rounding of the largest
+term of the sum over contacts.
+"""
+
 
 def draw(dice):
     """The tables of a scene."""
@@ -582,7 +587,8 @@ def faults(scene, frames):
     if scene.cell is not None and not scene.walls and scene.rotation and scene.hydrodynamics.drag == "none":
         for frame in frames:
             tensor = stress_tensor(frame)
-            lean = float(np.abs(tensor - tensor.T).max() / max(np.abs(tensor).max(), rounding_of(scene)["pressure"]))
+            scale = max(float(np.abs(tensor).max()), LEAN * rounding_of(scene)["pressure"])
+            lean = float(np.abs(tensor - tensor.T).max()) / scale
             if lean > 1e-6:
                 found["symmetry"] = lean
     spent = last["dissipated_work"] + last.get("size_work", 0.0) + last["total_energy"] - first["total_energy"]

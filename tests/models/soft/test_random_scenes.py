@@ -6,7 +6,7 @@ import pytest
 from ecume.errors import SceneError
 from ecume.models.soft import SOFT
 from ecume.scenes.schema import from_plain
-from tests.models.soft.random_scenes import draw, explicit, outcome, reordered, run, turned, unlike
+from tests.models.soft.random_scenes import draw, drawn, explicit, outcome, reordered, run, turned, unlike
 
 pytestmark = [pytest.mark.compiled]
 
@@ -40,6 +40,28 @@ def test_the_order_of_spheres_does_not_decide_when_films_open(tolerance):
         from_plain({**each, "integration": {**each["integration"], "tolerance": tolerance}}) for each in (plain, other)
     )
     assert unlike(scene, run(scene)[0], run(same)[0], order=order) < 1e-5
+
+
+def test_rounding_does_not_decide_where_a_sphere_with_a_single_film_rolls():
+    """Nothing resists its rolling: positions that differed by 1e-12 radii were balanced at others that differed by
+    2e-6, and the rest of the run followed.
+    """
+    plain = explicit(from_plain(drawn(np.random.default_rng(25))))
+    radius, dice = max(max(one["radius"]) for one in plain["particles"]), np.random.default_rng(3)
+    moved = [
+        one | {"positions": (one["positions"] + 1e-12 * radius * dice.normal(size=np.shape(one["positions"]))).tolist()}
+        for one in plain["particles"]
+    ]
+    scenes = [from_plain(plain), from_plain(plain | {"particles": moved})]
+    here, there = (SOFT.start(scene, SOFT.parameters(scene)).position for scene in scenes)
+    assert np.abs(here - there).max() < 1e-11 * radius
+
+
+def test_pressed_walls_of_a_floppy_packing_are_refused_with_the_reason_and_the_key():
+    """The message blamed the size of the forces, at a pressure of 1e-5 of the modulus."""
+    word, found = outcome(189, drawn)
+    assert word == "refused"
+    assert found["reason"].startswith("scene: walls: the films bear no stress, however small")
 
 
 @pytest.mark.parametrize("seed", [97, 109])

@@ -396,7 +396,9 @@ def _without_balance(
         if balance(usual, drained(workspace(usual, state, 1.0)), at, state.effort.copy()):
             cause = f"{parameters.solver} found no balance of forces where auto finds one"
             return "integration.solver", f'{cause}; expected "auto"'
-    return path, unbalanced(parameters, drained(workspace(parameters, state, 1.0)), at[1:])
+    pressed = path == "particles" and len(parameters.walls.free) > 0
+    cause = unbalanced(parameters, drained(workspace(parameters, state, 1.0)), at[1:])
+    return "walls" if pressed else path, cause
 
 
 GLUE = 1e3

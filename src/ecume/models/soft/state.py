@@ -14,7 +14,7 @@ from ecume.engine.linear_solvers.solvers import Kept
 from ecume.engine.walls import nearest_points
 from ecume.laws import soft_pair
 from ecume.models.soft.cell import Cell, make_cell
-from ecume.models.soft.contacts.connected_pieces import anchors, pieces
+from ecume.models.soft.contacts.connected_pieces import anchors, dangling_spheres, pieces
 from ecume.models.soft.contacts.contact import ROUNDING
 from ecume.models.soft.contacts.films import ContactResponses, Films, Pairs, make_films, make_responses
 from ecume.models.soft.contacts.rotation import Spins, make_spins, turned_orientation
@@ -192,6 +192,7 @@ def workspace(parameters: Parameters, state: State, room: float) -> Workspace:
     pattern = block_matrix.make_pattern(count, pairs.first, pairs.second, state.order)
     unknowns = len(parameters.walls.free) + (parameters.permeation.layers + 1 if parameters.permeation else 0)
     shared = make_borders(count, width, max(MOST, unknowns, width - dimensions))
+    anchor = anchors(parameters, state.pair[:contacts], state.touching)
     bodies = Bodies(
         position=state.position.copy(),
         before=state.position.copy(),
@@ -199,7 +200,7 @@ def workspace(parameters: Parameters, state: State, room: float) -> Workspace:
         start=np.zeros((count, dimensions)),
         slope=np.zeros((stages, count, dimensions)),
         drag=parameters.drag,
-        anchor=anchors(parameters, state.pair[:contacts], state.touching),
+        anchor=anchor,
         force=parameters.force,
         weight=parameters.weight,
         right=shared.right[0],
@@ -216,7 +217,7 @@ def workspace(parameters: Parameters, state: State, room: float) -> Workspace:
         bodies=bodies,
         spins=make_spins(
             parameters.radius,
-            (parameters.spin_drag, held_spins(parameters)),
+            (parameters.spin_drag, held_spins(parameters, state, anchor)),
             parameters.torque,
             (stages, contacts, width),
         ),
@@ -262,10 +263,15 @@ UNTURNED = 1e9
 """The resistance of glued spheres to spins, over modulus times radius: they do not rotate."""
 
 
-def held_spins(parameters: Parameters) -> Array:
-    """The resistance of each sphere to rotation (N/m, at the equator): that of the glue; zero for others."""
-    glued = parameters.walls.glue.any(axis=1)
-    return np.where(glued, UNTURNED * parameters.modulus * parameters.radius, 0.0)
+def held_spins(parameters: Parameters, state: State, anchor: Array) -> Array:
+    """The resistance of each sphere to rotation (N/m, at the equator): that of the glue, and of spheres that could roll
+    freely, which exerts no torque; zero for others.
+    """
+    size, glued = parameters.modulus * parameters.radius, parameters.walls.glue.any(axis=1)
+    if not parameters.torque.shape[1]:
+        return np.where(glued, UNTURNED * size, 0.0)
+    dangling = dangling_spheres(parameters, state.pair[: state.contacts[0]], state.touching, anchor)
+    return np.where(glued, UNTURNED * size, np.where(dangling, size, 0.0))
 
 
 def drained(scratch: Workspace) -> Workspace:

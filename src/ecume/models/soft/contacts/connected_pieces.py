@@ -3,11 +3,16 @@
 Without drag, the position of a sphere without films (a rattler) is undetermined, and so is that of spheres that are
 connected only with one another. If no force acts on such a piece, it moves with the box: its first sphere is anchored.
 The forces on the piece balance, so that the anchor exerts no force.
+
+A sphere with a single film may roll around its neighbor without any resistance, and so may the spheres of a chain that
+ends freely. If no force acts on them, they do not spin. This determines where they roll to, which rounding would
+otherwise decide; the torque that it takes is zero.
 """
 
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ecume.engine.cells import Integers
 from ecume.errors import Diverged
@@ -70,3 +75,25 @@ def anchors(parameters: Parameters, pair: Integers, touching: Integers) -> Array
         raise Diverged(f"{message}; set films.cutoff higher, or hydrodynamics.drag = 'stokes'")
     anchor[first] = parameters.modulus[first] * parameters.radius[first]
     return anchor
+
+
+def dangling_spheres(parameters: Parameters, pair: Integers, touching: Integers, anchor: Array) -> NDArray[np.bool_]:
+    """Whether each sphere is held by one film alone, after removal of others that are; no force acts on them.
+
+    Anchored spheres are not among them, nor are spheres with drag, or those of clusters in unbounded liquid, which
+    rotate as a whole.
+    """
+    found, bounded = np.zeros(len(touching), np.bool_), bool(parameters.box.any()) or touching.shape[1] > 0
+    if parameters.drag.any() or not bounded:
+        return found
+    pulled = np.concatenate([parameters.force, parameters.weight, parameters.torque], axis=1).any(axis=1)
+    may, here = ~pulled & (anchor == 0.0), np.ones(len(pair), np.bool_)
+    films = np.bincount(pair.ravel(), minlength=len(touching)) + touching.sum(axis=1)
+    while (ends := may & ~found & (films == 1)).any():
+        joined = pair[here & ends[pair].all(axis=1)]
+        ends[joined[:, 1]] = False
+        found |= ends
+        removed = here & ends[pair].any(axis=1)
+        films -= np.bincount(pair[removed].ravel(), minlength=len(films))
+        here &= ~removed
+    return found

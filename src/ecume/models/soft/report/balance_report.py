@@ -79,14 +79,19 @@ def unjoined(parameters: Parameters, state: State, rules: Rules) -> str:
 
 
 def floppy(parameters: Parameters, state: State, scratch: Workspace, at: tuple[Drive, Rules]) -> str:
-    """A sentence if the spheres can move without deflections under a controlled stress, otherwise
-    empty.
+    """A sentence if the spheres can move without deflections under a controlled stress of the cell, otherwise empty."""
+    return without_deflection(parameters, scratch, at) if any(at[1]) else ""
+
+
+def without_deflection(parameters: Parameters, scratch: Workspace, at: tuple[Drive, Rules]) -> str:
+    """A sentence if the spheres can move without deflections under a controlled stress of the cell or of walls,
+    otherwise empty.
 
     The criterion is the smallest resistance after the spheres have moved, over that to an affine deformation. Large
     systems are not tested.
     """
     step, (drive, rules) = scratch.step, at
-    if parameters.drag.any() or not any(rules) or step.bodies.right.size > MOST:
+    if parameters.drag.any() or not (any(rules) or len(parameters.walls.free)) or step.bodies.right.size > MOST:
         return ""
     drive = drive._replace(shear_stress=0.0, normal_stress=0.0)
     begin_step(parameters, step, drive)
@@ -172,8 +177,13 @@ def unbalanced(parameters: Parameters, scratch: Workspace, at: tuple[Drive, Rule
     """A sentence on why there is no balance, with remedies."""
     drive, rules = at
     if not any(rules):
+        pressed = "the surfaces cannot balance forces and wall stresses as large as these; reduce them"
         large = "the surfaces cannot balance forces as large as these; reduce them"
-        return rolling(parameters, scratch, drive, drive.load) or large
+        return (
+            without_deflection(parameters, scratch, at)
+            or rolling(parameters, scratch, drive, drive.load)
+            or (pressed if len(parameters.walls.free) else large)
+        )
     cause = "the films bear a stress across the cell, but not as large a one; reduce it, have it grow from zero"
     return cause if parameters.drag.any() else f"{cause}, or {remedies(parameters)}"
 
