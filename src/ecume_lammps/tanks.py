@@ -110,6 +110,8 @@ TANKS = (
                 "walls of the deck are planes of symmetry"),
     Expressible("base_excitation", lambda scene: scene.base_excitation is not None, _none, "false, that is, none",
                 "gravity of the deck is constant"),
+    Expressible("roll", lambda scene: scene.roll is not None, _none, "false, that is, none",
+                "gravity of the deck is constant"),
     Expressible("central_force", lambda scene: scene.central_force is not None, _none, "false, that is, none",
                 "gravity of the deck is uniform"),
     Expressible("obstacles", _solids, _none, "no obstacles and no bodies", "walls of the deck are planes of symmetry"),

@@ -202,11 +202,14 @@ PATH_WORDS = (
     "pivot",
 )
 """Words for the path of a solid, which users expect in other tables than that of bodies."""
+TURNING_WORDS = "angle", "angle_amplitude", "roll", "rotation", "tilt"
+ROLLS = "roll: a tank that turns about a pivot has the table [roll]"
 TURNED = "vertices: a solid at an angle is given by its corners, or by a drawing in outline_from"
 ELSEWHERE = {
     **{f"obstacles.{word}": MOVED for word in PATH_WORDS},
-    **{f"tank.{word}": MOVED for word in (*PATH_WORDS, "angle", "roll", "tilt")},
-    **{f"base_excitation.{word}": MOVED for word in (*PATH_WORDS, "angle", "roll", "tilt")},
+    **{f"tank.{word}": MOVED for word in PATH_WORDS},
+    **{f"base_excitation.{word}": MOVED for word in PATH_WORDS},
+    **{f"{table}.{word}": ROLLS for table in ("tank", "base_excitation") for word in TURNING_WORDS},
     **{
         f"{table}.{word}": TURNED
         for table in ("obstacles", "bodies", "fluid")

@@ -153,7 +153,7 @@ def test_drop_on_plate():
 
 @pytest.mark.parametrize(
     ("name", "key"),
-    [("roll_tank", "rotation"), ("roll_tank_by_motion", "tank.motion"), ("gate", "velocity")],
+    [("roll_tank_by_motion", "tank.motion"), ("gate", "velocity")],
 )
 def test_what_moves_is_a_body_and_the_message_says_so(name, key):
     with pytest.raises((BadInput, SceneError), match=rf"{key}: no such key; did you mean bodies.motion"):

@@ -360,7 +360,7 @@ def test_a_mass_in_the_unit_of_the_other_dimension_is_refused(tmp_path):
         ("obstacles", "tilt", "vertices"),
         ("obstacles", "spin", r"bodies\.motion"),
         ("tank", "pivot", r"bodies\.motion"),
-        ("base_excitation", "angle_amplitude", r"bodies\.motion"),
+        ("base_excitation", "angle_amplitude", "roll"),
         ("bodies", "angles", r"bodies\.motion"),
     ],
 )

@@ -129,6 +129,17 @@ class Drive(NamedTuple):
     """n formulas of the time, see `ecume.engine.formulas`, or none"""
 
 
+class Roll(NamedTuple):
+    """The prescribed rotation of the tank: see `boundaries.rolling`."""
+
+    drive: Drive
+    """of the angle"""
+    pivot: Array
+    """(3,) m"""
+    axis: Array
+    """(3,) of length 1"""
+
+
 class BodyPath(NamedTuple):
     """The prescribed path of a body: see `boundaries.driven_bodies`."""
 
@@ -368,6 +379,8 @@ class Parameters(NamedTuple):
     """laws of the user"""
     second: SecondLiquid | None = None
     """the other liquid, None in a tank with one"""
+    roll: Roll | None = None
+    """the rotation of the tank, None without one"""
 
     @property
     def materials(self) -> tuple[Material, ...]:

@@ -4,7 +4,7 @@ Start with `scene.SphScene`, the whole scene. `tank` describes sides and gauges,
 obstacles, bodies and passive particles, and `sources` reads liquid from tables, outlines and other runs.
 """
 
-from ecume.scenes.sph.motions import BaseExcitationSpec, BodyMotionSpec, MotionSpec
+from ecume.scenes.sph.motions import BaseExcitationSpec, BodyMotionSpec, MotionSpec, RollSpec
 from ecume.scenes.sph.scene import (
     CentralForceSpec,
     FluidSpec,
@@ -32,6 +32,7 @@ __all__ = [
     "ParticlesSpec",
     "PassiveTracerSpec",
     "RegionSpec",
+    "RollSpec",
     "SecondLiquidSpec",
     "ShapeSpec",
     "SideSpec",

@@ -79,6 +79,51 @@ class BaseExcitationSpec:
 
 
 @dataclass(frozen=True, kw_only=True, config=STRICT)
+class RollSpec:
+    """The rotation of the whole tank about a pivot, a sine or a formula. The scene is that of the frame of the tank:
+    gravity turns, and the inertial forces act on the liquid.
+    """
+
+    amplitude: Turn | None = None
+    """The amplitude of the angle of a sine that starts at 0 (rad). Example: `"4 deg"`. Effect: the tank rolls
+    farther."""
+    frequency: Frequency | None = None
+    """The frequency of the sine in cycles per second (1/s). Effect: near a natural frequency of the tank there is
+    resonance."""
+    phase: Phase = 0.0
+    """The phase of the sine (rad); 90 deg starts at rest. Effect: shifts the sine in time."""
+    formula: Formula = ""
+    """The angle (rad) as a formula of the time t (s), instead of a sine. Example: `"0.07*sin(3.85*t)*tanh(2*t)"`.
+    Effect: determines the rotation of the tank."""
+    pivot: Place | None = None
+    """The point about which the tank turns (m); by default the middle of its floor. Effect: a lower pivot shakes the
+    liquid sideways, too."""
+    axis: tuple[Number, Number, Number] = (0.0, 0.0, 1.0)
+    """The direction of the axis of rotation in 3D; in 2D it is z. Example: `[1, 0, 0]`. Effect: the tank turns
+    counterclockwise about it."""
+
+    @model_validator(mode="after")
+    def _one_law(self) -> Self:
+        if (self.amplitude is None) == (not self.formula):
+            raise Inconsistent([((), "expected either amplitude and frequency, or a formula")])
+        if (self.amplitude is None) != (self.frequency is None):
+            raise Inconsistent([(("frequency",), "belongs to an amplitude; expected both or none")])
+        _require_formulas("formula", (self.formula,) if self.formula else ())
+        if not any(self.axis):
+            raise Inconsistent([(("axis",), "expected a vector that is not zero")])
+        return self
+
+    def dimension_faults(self, dimension: int) -> Complaints:
+        """The faults of vectors whose dimension differs from that of the tank."""
+        found: Complaints = []
+        if self.pivot is not None and len(self.pivot) != dimension:
+            found.append((("pivot",), f"got {len(self.pivot)} numbers; the tank has {dimension} dimensions"))
+        if dimension == 2 and (self.axis[0], self.axis[1]) != (0.0, 0.0):
+            found.append((("axis",), "in two dimensions a tank turns about z alone"))
+        return found
+
+
+@dataclass(frozen=True, kw_only=True, config=STRICT)
 class BodyMotionSpec:
     """The path of a body: uniform, a sine, a table of times with linear interpolation, or formulas. The body is
     translated, and rotated about a pivot that moves with it.

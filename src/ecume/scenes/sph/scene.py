@@ -35,7 +35,7 @@ from ecume.scenes.quantities import (
     up_faults,
 )
 from ecume.scenes.sph.extents import size_faults
-from ecume.scenes.sph.motions import BaseExcitationSpec, formula_faults
+from ecume.scenes.sph.motions import BaseExcitationSpec, RollSpec, formula_faults
 from ecume.scenes.sph.solids import (
     BodySpec,
     ObstacleSpec,
@@ -338,6 +338,8 @@ class SphScene(Common):
     """Points at which pressure, velocity or level are recorded. Effect: each gauge adds numbers to the frames."""
     base_excitation: BaseExcitationSpec | None = None
     """The imposed acceleration of the tank. Effect: makes the liquid slosh."""
+    roll: RollSpec | None = None
+    """The imposed rotation of the tank. Effect: makes the liquid slosh."""
     up: Up = "y"
     """The axis that points up: `y`, or `z` in 3D, as in most drawings. `bottom` and `top` are the sides across it,
     `front` and `back` those across the other one. Example: `"z"`. Effect: turns gravity, the sides of the tank, levels
@@ -425,6 +427,8 @@ def _dimensions(scene: SphScene, dimension: int) -> Complaints:
     for row in rows:
         if row and len(row) != dimension:
             found.append((("base_excitation",), f"got {len(row)} numbers; the tank has {dimension} dimensions"))
+    if scene.roll is not None:
+        found += [(("roll", *path), message) for path, message in scene.roll.dimension_faults(dimension)]
     found += _too_thin(scene)
     pieces = (("fluid", scene.fluid), ("obstacles", scene.obstacles), ("bodies", scene.bodies))
     for table, specs in pieces:
@@ -443,6 +447,9 @@ def _formula_faults(scene: SphScene) -> Complaints:
     for index, body in enumerate(scene.bodies):
         texts = body.motion.formulas() if body.motion is not None else ()
         found += [(("bodies", index, "motion"), one) for one in formula_faults(texts, scene.duration, from_zero=True)]
+    if scene.roll is not None and scene.roll.formula:
+        texts = (scene.roll.formula,)
+        found += [(("roll", "formula"), one) for one in formula_faults(texts, scene.duration, from_zero=True)]
     texts = scene.base_excitation.formula if scene.base_excitation is not None else ()
     return found + [(("base_excitation",), one) for one in formula_faults(texts, scene.duration, from_zero=False)]
 

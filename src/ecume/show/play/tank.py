@@ -83,6 +83,7 @@ def require_playable(scene: SphScene) -> None:
         "incompressible liquids": scene.method.pressure != "tait",
         "[[passive_tracers]]": bool(scene.passive_tracers),
         "[base_excitation]": scene.base_excitation is not None,
+        "[roll]": scene.roll is not None,
         "[central_force]": scene.central_force is not None,
         "sides that move": any(side.motion is not None for side in sides),
         "in- or outflows": any(side.kind not in KINDS for side in sides),

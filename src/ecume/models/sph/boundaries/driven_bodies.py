@@ -10,14 +10,13 @@ on the body by pressure, friction and repulsion.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator
 
 import numpy as np
 
 from ecume._portable import dot
 from ecume.models.sph.boundaries.forces_on_solids import forces_on_dummies, total
-from ecume.models.sph.boundaries.rigid_bodies import drive_at, turned
+from ecume.models.sph.boundaries.rigid_bodies import drive_at, rotated, turned
 from ecume.models.sph.boundaries.walls import repelled_by_body, repulsion_load
 from ecume.models.sph.parameters import BodyPath, Parameters
 from ecume.models.sph.state import State, Workspace
@@ -28,23 +27,12 @@ def on_path(path: BodyPath, time: float) -> tuple[Array, Array, Array]:
     """The pose (7,), the motion (6,) and the acceleration (6,) of a body on its path."""
     value, rate, second = drive_at(path.drive, time)
     turn = value[3] * path.axis
-    arm = _rotated(turn, path.pose[:3] - path.pivot)
+    arm = rotated(turn, path.pose[:3] - path.pivot)
     spin, spun = rate[3] * path.axis, second[3] * path.axis
     pose = np.concatenate([path.pivot + value[:3] + arm, turned(path.pose[3:], turn)])
     motion = np.concatenate([rate[:3] + np.cross(spin, arm), spin])
     own = second[:3] + np.cross(spun, arm) + np.cross(spin, np.cross(spin, arm))
     return pose, motion, np.concatenate([own, spun])
-
-
-def _rotated(turn: Array, arm: Array) -> Array:
-    """A vector after rotation by a rotation vector: Rodrigues's formula."""
-    angle = math.sqrt(dot(turn, turn))
-    if angle == 0.0:
-        return arm
-    axis = turn / angle
-    along = dot(axis, arm) * axis
-    across: Array = math.cos(angle) * (arm - along) + math.sin(angle) * np.cross(axis, arm)
-    return along + across
 
 
 def drive_bodies(parameters: Parameters, state: State) -> None:

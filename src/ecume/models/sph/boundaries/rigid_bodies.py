@@ -21,7 +21,7 @@ from ecume.engine.shapes import Shape
 from ecume.engine.walls import Sheet
 from ecume.engine.walls.sheets import SIZE, SPEED
 from ecume.engine.walls.surfaces import PLANE
-from ecume.models.sph.parameters import Bodies, Boundary, Drive, Dummies, Parameters
+from ecume.models.sph.parameters import Bodies, Boundary, Drive, Dummies, Parameters, Roll
 from ecume.models.sph.state import State
 from ecume.units import Array
 
@@ -381,6 +381,17 @@ def _compliance(bodies: Bodies, body: int, pose: Array, arm: Array) -> Array:
     return found
 
 
+def rotated(turn: Array, arm: Array) -> Array:
+    """A vector after rotation by a rotation vector: Rodrigues's formula."""
+    angle = math.sqrt(dot(turn, turn))
+    if angle == 0.0:
+        return arm
+    axis = turn / angle
+    along = dot(axis, arm) * axis
+    across: Array = math.cos(angle) * (arm - along) + math.sin(angle) * np.cross(axis, arm)
+    return along + across
+
+
 def drive_at(drive: Drive, time: float) -> tuple[Array, Array, Array]:
     """The value of a drive, and its first and second derivatives with respect to time; the drive is a sine, a piecewise
     linear table, or formulas.
@@ -422,11 +433,27 @@ def at(parameters: Parameters, time: float, pose: Array, motion: Array) -> Param
     for number, drive in parameters.drives:
         boundary = _driven(boundary, number, drive_at(drive, time))
     parameters = parameters._replace(boundary=boundary)
-    return (
-        parameters
-        if parameters.base_excitation is None
-        else _accelerated(parameters, drive_at(parameters.base_excitation, time)[0])
-    )
+    more = added_gravity(parameters, time)
+    return parameters if more is None else _accelerated(parameters, more)
+
+
+def turned_gravity(roll: Roll, gravity: Array, time: float) -> Array:
+    """What the roll adds to gravity (d,) in the frame of the tank."""
+    angle = float(drive_at(roll.drive, time)[0][0])
+    upright = np.pad(gravity, (0, 3 - len(gravity)))
+    turned = rotated(-angle * roll.axis, upright)
+    return (turned - upright)[: len(gravity)]
+
+
+def added_gravity(parameters: Parameters, time: float) -> Array | None:
+    """What base excitation and roll add to gravity in the frame of the tank (m/s^2); None without them."""
+    more = None
+    if parameters.base_excitation is not None:
+        more = drive_at(parameters.base_excitation, time)[0]
+    if parameters.roll is not None:
+        turned = turned_gravity(parameters.roll, parameters.gravity, time)
+        more = turned if more is None else more + turned
+    return more
 
 
 def _driven(boundary: Boundary, number: int, drive: tuple[Array, Array, Array]) -> Boundary:

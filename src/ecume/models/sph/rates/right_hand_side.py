@@ -13,6 +13,7 @@ from ecume.models.sph.boundaries.driven_bodies import drive_bodies
 from ecume.models.sph.boundaries.forces_on_solids import forces_on_dummies, total
 from ecume.models.sph.boundaries.open_boundaries import carry_outflows, zero_buffer_rates
 from ecume.models.sph.boundaries.rigid_bodies import accelerations_of, apparent_gravity, delay, with_moved_solids
+from ecume.models.sph.boundaries.rolling import inertial_accelerations
 from ecume.models.sph.boundaries.touching_solids import exchanged_loads
 from ecume.models.sph.boundaries.walls import brake_at_walls, repel_from_bodies, repel_from_drawn, repel_from_walls
 from ecume.models.sph.fields import number
@@ -147,6 +148,9 @@ def _store_acceleration(parameters: Parameters, state: State, workspace: Workspa
         workspace.rates.acceleration[:3] = 0.0
         evaluate_sum(parameters.friction.sum, parameters, workspace)
         state.acceleration[...] += workspace.rates.acceleration[: parameters.dimension]
+    if parameters.roll is not None:
+        moving = float(state.clock[0]), state.position, state.velocity
+        state.acceleration[...] += inertial_accelerations(parameters.roll, *moving)
     repel_from_walls(parameters, state)
     repel_from_drawn(parameters, state)
     brake_at_walls(parameters, state)

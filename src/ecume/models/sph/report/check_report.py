@@ -308,7 +308,7 @@ def first_impact(scene: SphScene) -> list[Row]:
     if something else moves the liquid.
     """
     pull, times = -float(gravity_of(scene)[scene.up_axis]), (scene.duration, scene.frame_every)
-    if pull <= 0.0 or scene.central_force is not None or scene.base_excitation is not None:
+    if pull <= 0.0 or scene.central_force is not None or scene.base_excitation is not None or scene.roll is not None:
         return []
     found = [
         (math.sqrt(2.0 * height / pull), f"of {what} that falls")

@@ -35,7 +35,8 @@ from ecume.laws.kernels import KERNELS, kernel
 from ecume.laws.states import tait_energy
 from ecume.models.sph.boundaries.driven_bodies import power_of_driven_bodies
 from ecume.models.sph.boundaries.forces_on_solids import force_of_mirror, forces_on, roots_of
-from ecume.models.sph.boundaries.rigid_bodies import drive_at, energy_of_bodies, with_moved_solids
+from ecume.models.sph.boundaries.rigid_bodies import added_gravity, energy_of_bodies, with_moved_solids
+from ecume.models.sph.boundaries.rolling import inertial_accelerations
 from ecume.models.sph.boundaries.touching_solids import power_on_bodies
 from ecume.models.sph.boundaries.walls import braked_by_wall, repelled_by_wall
 from ecume.models.sph.fields import FIELD, Constants, Floats
@@ -125,10 +126,15 @@ def subset(state: State, who: Any) -> State:
     return state._replace(**{name: array[..., who] for name, array in particle_arrays(state).items()})
 
 
+def shaken(parameters: Parameters) -> bool:
+    """Whether the frame of the tank is accelerated."""
+    return parameters.base_excitation is not None or parameters.roll is not None
+
+
 def has_external_work(parameters: Parameters) -> bool:
     """Whether any process may add or remove energy."""
     around = product(parameters.boundary.sides.shift, parameters.gravity)
-    outside = parameters.base_excitation is not None or forces_work(parameters) or around.any()
+    outside = shaken(parameters) or forces_work(parameters) or around.any()
     return bool(has_numerical_work(parameters) or outside or may_lose_liquid(parameters))
 
 
@@ -221,11 +227,11 @@ def add_work(
     """Add the work of a completed step; `began` contains the power (W) before it, and whether the forces were known
     then.
     """
-    if parameters.base_excitation is None and not forces_work(parameters):
+    if not shaken(parameters) and not forces_work(parameters):
         return
     if parameters.projection is not None:  # the forces of these particles act during the whole step
-        shaken = 0.5 * (began[0] + power_of_base_excitation(parameters, state))
-        state.budget[WORK] += (float(state.budget[RATE]) + shaken) * time
+        pulled = 0.5 * (began[0] + power_of_base_excitation(parameters, state))
+        state.budget[WORK] += (float(state.budget[RATE]) + pulled) * time
         state.budget[RATE] = 0.0
         return
     # Positions that are not finite are reported by the time integration.
@@ -240,17 +246,23 @@ def add_work(
 
 
 def power_of_base_excitation(parameters: Parameters, state: State) -> float:
-    """The power (W, in the frame of the tank) of the base excitation on liquid and bodies:
-    acceleration times momentum.
+    """The power (W, in the frame of the tank) of base excitation and roll on liquid and bodies: acceleration times
+    momentum.
     """
-    if parameters.base_excitation is None:
+    time = float(state.clock[0])
+    pull = added_gravity(parameters, time)
+    if pull is None:
         return 0.0
-    pull, liquid = drive_at(parameters.base_excitation, float(state.clock[0]))[0], liquid_alone(parameters, state)
+    liquid = liquid_alone(parameters, state)
     momentum = np.sum(liquid.mass * liquid.velocity, axis=1)
     if parameters.bodies.shapes:
         free = np.isfinite(parameters.bodies.mass)
         momentum = momentum + np.sum((state.motion[: len(pull)] * parameters.bodies.mass)[:, free], axis=1)
-    return dot(pull, momentum)
+    power = dot(pull, momentum)
+    if parameters.roll is not None:
+        inertial = inertial_accelerations(parameters.roll, time, liquid.position, liquid.velocity)
+        power += float(np.sum(liquid.mass * (inertial * liquid.velocity).sum(axis=0)))
+    return power
 
 
 def power_of_forces(now: Parameters, state: State, workspace: Workspace) -> float:

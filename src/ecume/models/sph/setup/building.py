@@ -77,6 +77,7 @@ from ecume.models.sph.setup.walls_and_bodies import (
     mass_of,
     narrowest_channel,
     open_boundaries_of,
+    roll_of,
 )
 from ecume.models.step_counts import ending_on_a_step
 from ecume.scenes.sph import BodySpec, FluidSpec, SphScene
@@ -250,6 +251,7 @@ def parameters_of(scene: SphScene) -> Parameters:
     held = held_pull(scene) * (not modified(scene))
     boundary = boundary_of(scene, material, support)
     bodies, drives, excitation = bodies_of(scene, boundary), drives_of(scene), base_excitation_of(scene)
+    roll = roll_of(scene)
     rate, center = central_force_of(scene)
     return Parameters(
         time_step=time_step,
@@ -277,11 +279,12 @@ def parameters_of(scene: SphScene) -> Parameters:
         open_boundaries=open_boundaries_of(scene, support),
         bounds=bounds_of(scene),
         base_excitation=excitation,
+        roll=roll,
         gauges=gauges_of(scene, support),
         pressure_reference=reference_of(scene),
         pull_rate=rate,
         pull_center=center,
-        moves=bool(bodies.shapes or drives or excitation),
+        moves=bool(bodies.shapes or drives or excitation or roll),
         integrator=integrator_of(scene),
         shifting=shifting_of(scene),
         shifting_limit=math.inf if shifting_of(scene) == "none" else shifting_limit(scene),

@@ -18,7 +18,7 @@ from ecume.laws.kernels import kernel
 from ecume.laws.tension import solid_color
 from ecume.models.sph.boundaries.driven_bodies import on_path
 from ecume.models.sph.boundaries.rigid_bodies import drive_at, rotations
-from ecume.models.sph.parameters import Bodies, BodyPath, Boundary, Drive, Dummies, Guard, Material, OpenBoundary
+from ecume.models.sph.parameters import Bodies, BodyPath, Boundary, Drive, Dummies, Guard, Material, OpenBoundary, Roll
 from ecume.models.sph.rates.methods import PRESSURE_FORCES
 from ecume.models.sph.setup.choices import color_reach_of, contact_cosine, impacts_dissipate, require_wetting, sides_of
 from ecume.models.sph.setup.shapes import (
@@ -30,7 +30,7 @@ from ecume.models.sph.setup.shapes import (
     shape_of,
     solids_of,
 )
-from ecume.scenes.sph import BaseExcitationSpec, BodyMotionSpec, BodySpec, MotionSpec, SphScene
+from ecume.scenes.sph import BaseExcitationSpec, BodyMotionSpec, BodySpec, MotionSpec, RollSpec, SphScene
 from ecume.units import Array, with_prefix
 
 LAYERED = ("wall", "inflow", "outflow")
@@ -572,7 +572,36 @@ def base_excitation_of(scene: SphScene) -> Drive | None:
     return None if excitation is None else _drive(excitation, excitation.amplitude, excitation.accelerations, 0.0)
 
 
-def _drive(spec: MotionSpec | BaseExcitationSpec, amplitude: object, values: object, origin: float) -> Drive:
+def roll_of(scene: SphScene) -> Roll | None:
+    """The rotation of the tank; by default about the middle of its floor. Raises SceneError beside what it would have
+    to turn as well.
+    """
+    spec = scene.roll
+    if spec is None:
+        return None
+    kinds = {side.kind for side in sides_of(scene)}
+    present = {
+        "bodies": bool(scene.bodies),
+        "central_force": scene.central_force is not None,
+        "passive_tracers": any(one.radius > 0.0 for one in scene.passive_tracers),
+        "tank": bool(kinds & {"periodic", "inflow", "outflow"}),
+        "method.pressure_split": scene.method.pressure_split != "none",
+    }
+    if there := [name for name, is_there in present.items() if is_there]:
+        message = (
+            "does not go with [roll], which acts on liquid between walls alone; expected none, or a tank that is one "
+            "of [[bodies]] with a motion"
+        )
+        raise SceneError([Fault(name, message) for name in there])
+    low, high = np.array(scene.tank.low), np.array(scene.tank.high)
+    middle = 0.5 * (low + high)
+    middle[scene.up_axis] = low[scene.up_axis]
+    pivot = middle if spec.pivot is None else np.array(spec.pivot)
+    axis = np.array(spec.axis) / length(np.array(spec.axis))
+    return Roll(_drive(spec, spec.amplitude, (), -1.0), _wide(pivot[None])[0], axis)
+
+
+def _drive(spec: MotionSpec | BaseExcitationSpec | RollSpec, amplitude: object, values: object, origin: float) -> Drive:
     if spec.formula:
         texts = (spec.formula,) if isinstance(spec.formula, str) else spec.formula
         none = np.zeros(len(texts))
