@@ -185,6 +185,8 @@ class Curve(NamedTuple):
     line: Line2D
     name: str
     """in the legend; empty for one without a name"""
+    bars: tuple[Array | None, Array | None] = (None, None)
+    """(N, 2) the ends of the error bars along x and y; None for a curve without"""
 
 
 def points_of(line: Line2D) -> Array:
@@ -193,27 +195,55 @@ def points_of(line: Line2D) -> Array:
 
 
 def curves_of(axes: Axes) -> list[Curve]:
-    """The curves in the coordinates of the axes, without lines across the whole axes."""
-    named = {each[0]: str(each.get_label()) for each in axes.containers if isinstance(each, ErrorbarContainer)}
-    lines = [line for line in axes.lines if line.get_transform() == axes.transData and len(points_of(line))]
-    names = [named.get(line, str(line.get_label())) for line in lines]
-    return [Curve(line, "" if name.startswith("_") else name) for line, name in zip(lines, names, strict=True)]
+    """The curves in the coordinates of the axes, without lines across the whole axes and caps of error bars."""
+    with_bars = {each[0]: each for each in axes.containers if isinstance(each, ErrorbarContainer)}
+    caps = {cap for each in with_bars.values() for cap in each[1]}
+    found = []
+    for line in axes.lines:
+        if line.get_transform() != axes.transData or not len(points_of(line)) or line in caps:
+            continue
+        bars = with_bars.get(line)
+        name = " ".join(str((bars or line).get_label()).split())
+        found.append(Curve(line, "" if name.startswith("_") else name, _ends(bars) if bars else (None, None)))
+    return found
+
+
+def _ends(bars: ErrorbarContainer) -> tuple[Array | None, Array | None]:
+    """The ends of the bars along x and y, (N, 2) each."""
+    ends = [np.array(each.get_segments(), dtype=np.float64) for each in bars[2]]
+    across = ends.pop(0)[:, :, 0] if bars.has_xerr else None
+    return across, ends.pop(0)[:, :, 1] if bars.has_yerr else None
+
+
+def _cells_of(curve: Curve, *, barred: bool) -> Iterator[tuple[str, ...]]:
+    """The cells of each point: x, y, and the ends of the error bars, which are empty without one."""
+    points = points_of(curve.line).tolist()
+    columns = [
+        ends.tolist() if ends is not None and len(ends) == len(points) else [("", "")] * len(points)
+        for ends in curve.bars
+    ]
+    for point, across, up in zip(points, *columns, strict=True):
+        ends = (*across, *up) if barred else ()
+        yield tuple(value if isinstance(value, str) else repr(value) for value in (*point, *ends))
 
 
 def written_data(drawn: Figure, out: Path) -> Path:
     """Write the points of all curves as CSV: panel, series, and both axes; columns of text contain their labels with
-    units. Raises BadInput for a figure without curves.
+    units. A figure with error bars has columns for their ends. Raises BadInput for a figure without curves.
     """
+    panels = [(panel, axes, curves_of(axes)) for panel, axes in enumerate(drawn.axes, 1)]
+    barred = any(bars is not None for _, _, curves in panels for curve in curves for bars in curve.bars)
     rows = [
-        (panel, curve.name or f"curve {number}", axes.get_xlabel(), axes.get_ylabel(), repr(x), repr(y))
-        for panel, axes in enumerate(drawn.axes, 1)
-        for number, curve in enumerate(curves_of(axes), 1)
-        for x, y in points_of(curve.line).tolist()
+        (panel, curve.name or f"curve {number}", axes.get_xlabel(), axes.get_ylabel(), *cells)
+        for panel, axes, curves in panels
+        for number, curve in enumerate(curves, 1)
+        for cells in _cells_of(curve, barred=barred)
     ]
     if not rows:
         raise BadInput("--data: this figure is a picture without curves; `ecume export --to csv` writes the frames")
     text = io.StringIO()
-    write_rows(text, [("panel", "series", "x_axis", "y_axis", "x", "y"), *rows])
+    ends = ("x_low", "x_high", "y_low", "y_high") if barred else ()
+    write_rows(text, [("panel", "series", "x_axis", "y_axis", "x", "y", *ends), *rows])
     with storing(out):
         out.parent.mkdir(parents=True, exist_ok=True)
         write_whole(out, text.getvalue())
@@ -236,7 +266,7 @@ def together(figures: Sequence[tuple[str, Figure]]) -> Figure:
             for number, (name, other) in enumerate(others, 1):
                 _add(axes, other.axes[place], name, number, single=len(own) == 1)
             for curve in own:
-                curve.line.set_label(_named(curve.name, first_name))
+                _labeled(axes, curve.line).set_label(_named(curve.name, first_name))
             if own:
                 _rescaled(axes)
     return first
@@ -249,12 +279,27 @@ def _add(axes: Axes, other: Axes, name: str, number: int, *, single: bool) -> No
     fresh = next((color for color in PALETTE if color not in own), PALETTE[number % len(PALETTE)])
     for curve in curves_of(other):
         points = points_of(curve.line) * scales
-        axes.plot(
-            points[:, 0], points[:, 1], drawstyle=curve.line.get_drawstyle(), marker=curve.line.get_marker(),
-            markersize=curve.line.get_markersize(), linewidth=curve.line.get_linewidth(),
-            linestyle="none" if curve.line.get_linestyle() == "None" else DASHES[number % len(DASHES)],
-            color=fresh if single else curve.line.get_color(), label=_named(curve.name, name),
-        )  # fmt: skip
+        errors = [
+            None if ends is None else np.abs(ends * scale - values[:, None]).T
+            for ends, scale, values in zip(curve.bars, scales, points.T, strict=True)
+        ]
+        line = curve.line
+        looks: dict[str, Any] = {
+            "drawstyle": line.get_drawstyle(), "marker": line.get_marker(), "markersize": line.get_markersize(),
+            "linewidth": line.get_linewidth(), "color": fresh if single else line.get_color(),
+            "linestyle": "none" if line.get_linestyle() == "None" else DASHES[number % len(DASHES)],
+            "label": _named(curve.name, name),
+        }  # fmt: skip
+        if all(each is None for each in errors):
+            axes.plot(points[:, 0], points[:, 1], **looks)
+        else:
+            axes.errorbar(points[:, 0], points[:, 1], xerr=errors[0], yerr=errors[1], capsize=2, **looks)
+
+
+def _labeled(axes: Axes, line: Line2D) -> Line2D | ErrorbarContainer:
+    """The object with the label of a line in the legend: points with error bars have one of their own."""
+    bars = (each for each in axes.containers if isinstance(each, ErrorbarContainer) and each[0] is line)
+    return next(bars, line)
 
 
 def _named(curve: str, run: str) -> str:

@@ -293,7 +293,8 @@ def flow_curve(frames: Frames, scene: SoftScene) -> Figure:
             rate = np.geomspace(min(size), max(size), 200)
             start, error = scale.factor * fit.offset.value, scale.factor * fit.offset.error
             power = f"n = {fit.exponent.value:.2f} ± {fit.exponent.error:.2f}"
-            label = f"{start:.3g} ± {error:.2g} {scale.unit} + K rate^n,\n{power}"
+            factor = f"K = {scale.factor * fit.factor.value:.3g}"
+            label = f"{start:.3g} ± {error:.3g} {scale.unit} + K rate^n,\n{power}, {factor}"
             axes.plot(rate, scale.factor * fit(rate), color=INK, linewidth=1.0, label=label)
         _rate_axis(axes, size)
         axes.set(yscale=scaling([one.value for one in values]), title=titled("Flow curve", scene))
@@ -500,7 +501,7 @@ def large_oscillations(frames: Frames, scene: SoftScene) -> Figure:
         loops, harmonics = drawn.subplots(1, 2)
         parts = [part for part in parts_of(frames, scene) if len(part) > 1 and _oscillates(part, scene)]
         for part, answer, color in zip(parts, found, itertools.cycle(PALETTE)):
-            late = part[-max(len(part) // (answer.periods + 1), 2) :]
+            late = part[-1 - max((len(part) - 1) // (answer.periods + 1), 1) :]  # both ends of the last period
             strain, stress = (
                 values - values.mean() for values in series(late, number("strain"), number("shear_stress"))
             )
