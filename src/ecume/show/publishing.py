@@ -284,11 +284,12 @@ def _add(axes: Axes, other: Axes, name: str, number: int, *, single: bool) -> No
             for ends, scale, values in zip(curve.bars, scales, points.T, strict=True)
         ]
         line = curve.line
+        hollow = line.get_linestyle() == "None" and not single or str(line.get_markerfacecolor()) == "none"
         looks: dict[str, Any] = {
             "drawstyle": line.get_drawstyle(), "marker": line.get_marker(), "markersize": line.get_markersize(),
             "linewidth": line.get_linewidth(), "color": fresh if single else line.get_color(),
             "linestyle": "none" if line.get_linestyle() == "None" else DASHES[number % len(DASHES)],
-            "label": _named(curve.name, name),
+            "label": _named(curve.name, name), "markerfacecolor": "none" if hollow else None,
         }  # fmt: skip
         if all(each is None for each in errors):
             axes.plot(points[:, 0], points[:, 1], **looks)

@@ -501,7 +501,7 @@ def large_oscillations(frames: Frames, scene: SoftScene) -> Figure:
         loops, harmonics = drawn.subplots(1, 2)
         parts = [part for part in parts_of(frames, scene) if len(part) > 1 and _oscillates(part, scene)]
         for part, answer, color in zip(parts, found, itertools.cycle(PALETTE)):
-            late = part[-1 - max((len(part) - 1) // (answer.periods + 1), 1) :]  # both ends of the last period
+            late = part[-1 - max(round(len(part) / (answer.periods + 1)), 1) :]  # with both ends of the last period
             strain, stress = (
                 values - values.mean() for values in series(late, number("strain"), number("shear_stress"))
             )
