@@ -284,7 +284,7 @@ def _add(axes: Axes, other: Axes, name: str, number: int, *, single: bool) -> No
             for ends, scale, values in zip(curve.bars, scales, points.T, strict=True)
         ]
         line = curve.line
-        hollow = line.get_linestyle() == "None" and not single or str(line.get_markerfacecolor()) == "none"
+        hollow = (line.get_linestyle() == "None" and not single) or str(line.get_markerfacecolor()) == "none"
         looks: dict[str, Any] = {
             "drawstyle": line.get_drawstyle(), "marker": line.get_marker(), "markersize": line.get_markersize(),
             "linewidth": line.get_linewidth(), "color": fresh if single else line.get_color(),
