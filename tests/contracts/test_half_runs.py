@@ -97,6 +97,9 @@ TOGETHER = [
     ("waves", "friction"),
     ("waves", "friction", "overdamped"),
     ("waves", "multipole"),
+    ("shapes", "waves"),
+    ("shapes", "barrier"),
+    ("shapes", "periodic cell"),
     ("one-sided law", "friction"),
     ("one-sided law", "films"),
 ]

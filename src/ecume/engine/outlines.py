@@ -23,7 +23,7 @@ import numpy as np
 
 from ecume._jit import compiled, compiled_inside
 from ecume._portable import length, product
-from ecume.engine.cells import Integers
+from ecume.engine.cells import Integers, nearest
 from ecume.engine.nearest_triangles import nearest_triangles
 from ecume.engine.shapes import MOST_CROSSINGS, Cells, Flags, fitted_cells, round_up, scaled_to, whole_within
 from ecume.engine.walls import Walls, is_circle, wall_distance
@@ -191,6 +191,16 @@ class Stance(NamedTuple):
     """(N,)"""
     corner: Array
     """(V, 2) relative to the center of the corner's body"""
+    periods: Array = np.zeros((2, 2))
+    """of the cell: see `cells`; zero without a cell"""
+
+
+@compiled_inside
+def between(stance: Stance, i: int, j: int) -> tuple[float, float]:
+    """The vector from the center of body i to that of the nearest image of body j."""
+    (position, _, _, periods) = stance
+    x = nearest(position[j, 0] - position[i, 0], periods[0, 0], periods[1, 0])
+    return x, nearest(position[j, 1] - position[i, 1], periods[0, 1], periods[1, 1])
 
 
 @compiled
@@ -248,7 +258,7 @@ def note(near: Array, found: int, found_near: Near, feature: int) -> int:
 def corners_near(outlines: Outlines, stance: Stance, pair: tuple[int, int], reach: float, near: Array) -> int:
     """Record the corners of one body near corners of another."""
     i, j = pair
-    x, y = stance.position[j, 0] - stance.position[i, 0], stance.position[j, 1] - stance.position[i, 1]
+    x, y = between(stance, i, j)
     one, other, found, feature = outlines.rounding[i], outlines.rounding[j], 0, 0
     for k in range(outlines.first_corner[i], outlines.first_corner[i + 1]):
         for m in range(outlines.first_corner[j], outlines.first_corner[j + 1]):
@@ -272,7 +282,7 @@ def corners_near_edges(
     features recorded so far.
     """
     i, j = pair
-    x, y = stance.position[j, 0] - stance.position[i, 0], stance.position[j, 1] - stance.position[i, 1]
+    x, y = between(stance, i, j)
     one, other = outlines.rounding[i], outlines.rounding[j]
     feature = 1000 if i < j else 2000
     for k in range(outlines.first_corner[i], outlines.first_corner[i + 1]):
@@ -308,7 +318,7 @@ def ellipse_near_corners(
 ) -> int:
     """Record the corners and edges of the pair's second body near its first, an ellipse."""
     i, j = pair
-    x, y = stance.position[j, 0] - stance.position[i, 0], stance.position[j, 1] - stance.position[i, 1]
+    x, y = between(stance, i, j)
     ellipse, rounding, feature = ellipse_of(outlines, stance, i), outlines.rounding[j], 0
     for m in range(outlines.first_corner[j], outlines.first_corner[j + 1]):
         its_x, its_y = stance.corner[m, 0], stance.corner[m, 1]
@@ -339,7 +349,7 @@ def bodies_near(outlines: Outlines, stance: Stance, i: int, j: int, reach: float
     """
     smooth_i, smooth_j = outlines.axes[i, 0] > 0.0, outlines.axes[j, 0] > 0.0
     if smooth_i and smooth_j:
-        x, y = stance.position[j, 0] - stance.position[i, 0], stance.position[j, 1] - stance.position[i, 1]
+        x, y = between(stance, i, j)
         one = ellipses_near(x, y, ellipse_of(outlines, stance, i), ellipse_of(outlines, stance, j), reach)
         return note(near, 0, one, 0) if one[0] < reach else 0
     if smooth_i:

@@ -41,6 +41,14 @@ def trough(places, *, barrier=None, integrator="overdamped", dish=None, count=No
     return from_plain(given | tables)
 
 
+OVAL = {
+    "radius": RADIUS,
+    "density": 600.0,
+    "contact_angle": 1.2,
+    "shape": {"kind": "ellipsoid", "width": RADIUS, "angle": 0.0},
+}
+
+
 def friction_of(scene):
     """The drag of a single float over its velocity (N s/m)."""
     floats = FLOATING.parameters(scene).floats
@@ -64,6 +72,19 @@ def test_touching_floats_move_with_the_barrier_and_press_on_it_with_their_drag(c
     tolerance = 1e-6 if integrator in ("overdamped", "velocity-verlet") else 0.05
     assert last.numbers["force_on_left"] == pytest.approx(drag, rel=tolerance)
     assert last.numbers["surface_pressure"] == pytest.approx(drag / 0.02, rel=tolerance)
+    assert last.numbers["force_on_right"] == 0.0
+
+
+@PLAIN
+@pytest.mark.parametrize("integrator", ["overdamped", "velocity-verlet"])
+def test_ellipsoids_move_with_the_barrier_and_press_on_it_with_their_drag(integrator):
+    bodies = [OVAL | {"positions": row_of_floats(3)}]
+    scene = trough([], integrator=integrator, particles=bodies, duration=0.1, frame_every=0.05)
+    *_, last = simulate(scene)
+    assert last.arrays["velocity"][:, 0] == pytest.approx(np.full(3, SPEED), rel=1e-6)
+    assert last.arrays["position"][:, 0] == pytest.approx(2.0 * RADIUS * np.arange(3) + 0.1 * SPEED, abs=2e-4 * RADIUS)
+    drag = float(FLOATING.parameters(scene).parts.integrator.friction[:, 0].sum()) * SPEED
+    assert last.numbers["force_on_left"] == pytest.approx(drag, rel=1e-6)
     assert last.numbers["force_on_right"] == 0.0
 
 
@@ -232,6 +253,7 @@ def test_a_raft_that_is_stopped_keeps_the_energy_that_floats_at_rest_have():
         ({"barrier": {"velocity": 0.0, "start": 0.039}}, "dish.barrier.start: the barrier leaves"),
         ({"barrier": {"velocity": -SPEED, "start": 0.039}}, "dish.barrier.start: the barrier leaves"),
         ({"barrier": {"velocity": 0.05}}, "do not fit"),
+        ({"dish": {"law": "meniscus"}, "particles": [OVAL | {"count": 1}]}, "dish.law: got a meniscus on a barrier"),
         ({"dish": {"law": "meniscus"}, "barrier": {"velocity": 0.012}}, "menisci of both sides"),
         ({"hydrodynamics": {"brownian": True}}, "floats that diffuse"),
         ({"hydrodynamics": {"interaction": "rotne-prager"}}, "flow of others"),

@@ -15,6 +15,7 @@ from tests.models import begun
 from tests.models.floating.bowls import HEAVY, LIGHT, WATER, scene_of
 
 SIDES = np.array([0.06, 0.08])
+PLAIN = pytest.mark.uncompiled
 CELL = f"[cell]\nsize = {SIDES.tolist()}\n"
 DRY = '[hydrodynamics]\ndrag = "none"\n'
 
@@ -72,14 +73,21 @@ def test_check_compares_the_cell_with_the_cutoff():
     assert not any(row[0] == "cell" for row in FLOATING.summary(scene_of(WATER + floats_at(spread(10, 1)))))
 
 
-@pytest.mark.parametrize("contacts", ["", "friction = 0.3\n", 'law = "spring-dashpot"\n'])
-def test_shifting_all_floats_changes_nothing(contacts):
+OVAL = 'shape = { kind = "ellipsoid", width = "1.9 mm", angle = 0.3 }\n'
+
+
+@pytest.mark.parametrize(
+    ("contacts", "shape"),
+    [("", ""), ("friction = 0.3\n", ""), ('law = "spring-dashpot"\n', ""), pytest.param("", OVAL, marks=PLAIN)],
+)
+def test_shifting_all_floats_changes_nothing(contacts, shape):
     position = np.array([[1e-4, 1e-4], [0.0579, 2e-4], [0.0011, 0.0782], [0.03, 0.0795], [0.0305, 0.0018]])
     velocity = np.array([[-0.08, 0.0], [0.08, 0.0], [0.0, 0.04], [0.0, 0.12], [0.0, -0.12]])
     rest = f"{CELL}{DRY}[contacts]\nrestitution = 0.5\n{contacts}"
     frames = []
     for shift in (np.zeros(2), np.array([0.0471, 0.0233])):
-        scene = scene_of(WATER + floats_at(position + shift, velocities=velocity) + rest, frame_every=1e-2)
+        floats = floats_at(position + shift, velocities=velocity, kind=HEAVY + shape)
+        scene = scene_of(WATER + floats + rest, frame_every=1e-2)
         parameters, state, workspace = begun(scene)
         assert FLOATING.advance(parameters, state, workspace, int(4e-3 / parameters.time_step)) == DONE
         frames.append(FLOATING.observe(parameters, state, workspace))

@@ -361,7 +361,7 @@ def test_contacts_that_the_next_step_may_close_are_listed():
     assert parameters.slop < 0.1 * gap
     state.velocity[:] = [0.0, speed]
     assert FLOATING.advance(parameters, state, workspace, 1) == 0
-    levers = workspace.scratch.interactions[0].levers
+    levers = workspace.contacts
     assert levers.gap[: levers.total[0]] == pytest.approx([gap], rel=1e-6)
 
 

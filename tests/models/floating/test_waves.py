@@ -9,7 +9,7 @@ from ecume.errors import SceneError
 from ecume.laws.radiated_waves import mean_force, ripples, slope_per_force
 from ecume.models import MODELS
 from ecume.models.floating.forces import waves
-from ecume.models.floating.parameters import part_of
+from ecume.models.floating.parameters import WORK, part_of
 from ecume.models.floating.time_integration.integration import forces_at
 from tests.models import begun
 from tests.models.floating.bowls import scene_of
@@ -122,6 +122,25 @@ def test_friction_changes_no_bit_of_floats_that_do_not_touch(integrator):
     for one, other in zip(*found, strict=True):
         assert one == pytest.approx(other, rel=1e-12)
     assert np.all(np.abs(found[0][1][:, 1]) > 1e-6)
+
+
+def test_waves_turn_bodies_as_fast_as_their_friction_allows():
+    floats = "[[particles]]\nradius = 2e-3\ndensity = 1100.0\ncontact_angle = 1.4\n"
+    floats += "positions = [[0.0, 0.0], [7e-3, 0.0]]\n"
+    floats += 'shape = { kind = "ellipsoid", width = 2e-3, angle = 0.4 }\n'
+    waves = f"[waves]\nfrequency = {FREQUENCY}\n{source((1.5e-3, 0.0))}{source((-1e-3, 5e-4), 2e-4, 0.7)}"
+    more = '[interaction]\nlaw = "none"\n[integration]\nintegrator = "overdamped"\n'
+    parameters, state, workspace = begun(scene_of(BATH + floats + waves + more))
+    force, own = forces_at(parameters, state.position, workspace).copy(), workspace.scratch.interactions[1]
+    torque, before = own.torque.copy(), state.turning.copy()
+    assert np.all(np.abs(torque) > 1e-12)
+    assert workspace.torque == pytest.approx(torque, rel=1e-12)
+    assert FLOATING.advance(parameters, state, workspace, 1) == 0
+    spin, time = torque / parameters.parts.integrator.friction[:, 2], parameters.time_step
+    assert state.turning[:, 1] == pytest.approx(spin, rel=1e-12)
+    assert state.turning[:, 0] == pytest.approx(before[:, 0] + time * spin, rel=1e-12)
+    work = time * float(torque @ spin + np.sum(force * state.velocity))
+    assert state.tally[WORK] == pytest.approx(work, rel=0.02)
 
 
 @pytest.mark.parametrize(

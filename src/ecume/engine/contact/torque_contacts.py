@@ -19,7 +19,7 @@ from ecume.engine.cells import Integers
 from ecume.engine.contact.active_set import numbered
 from ecume.engine.contact.contacts import Candidates, ContactKeys, busy_contacts
 from ecume.engine.contact.islands import Islands, islands_among
-from ecume.engine.outlines import NEARNESS, Outlines, Stance, bodies_near, turn_corners, wall_near
+from ecume.engine.outlines import NEARNESS, Outlines, Stance, between, bodies_near, turn_corners, wall_near
 from ecume.engine.walls import Walls, wall_count
 from ecume.units import Array
 
@@ -110,11 +110,12 @@ def write_row(
     to_x, to_y = near[1], near[2]
     jacobian[0], jacobian[1], jacobian[2] = -to_x, -to_y, near[4] * to_x - near[3] * to_y
     way = impulse_response(mobility[i], stance.angle[i], jacobian[:3], response[:3], root[:3])
-    jacobian[3:] = 0.0
     response[3:] = 0.0
     root[3:] = 0.0
+    # Walls move, but do not turn.
+    jacobian[3], jacobian[4], jacobian[5] = to_x, to_y, 0.0
     if j < len(stance.angle):
-        jacobian[3], jacobian[4], jacobian[5] = to_x, to_y, near[5] * to_y - near[6] * to_x
+        jacobian[5] = near[5] * to_y - near[6] * to_x
         way += impulse_response(mobility[j], stance.angle[j], jacobian[3:], response[3:], root[3:])
     contacts.weight[row] = 1.0 / way if way > 0.0 else 0.0
 
@@ -132,7 +133,7 @@ def gather(
         for place in range(pairs + walls):
             if place < pairs:
                 j = candidates.partner[candidates.first[i] + place]
-                x, y = position[j, 0] - position[i, 0], position[j, 1] - position[i, 1]
+                x, y = between(stance, i, j)
                 within = bodies.radius[i] + bodies.radius[j] + reach
                 here = 0 if x * x + y * y > within * within else bodies_near(
                     bodies.outlines, stance, i, j, reach, near

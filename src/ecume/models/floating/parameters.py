@@ -310,9 +310,12 @@ class Workspace(NamedTuple):
 
     lists: neighbors.NeighborLists
     candidates: contacts.Candidates
-    contacts: contacts.Contacts
+    contacts: Any
+    """rows of a type of `impulse_solvers.ROWS`"""
     force: Array
     """(N, 2) N, at the current positions"""
+    torque: Array
+    """(N,) N m, on floats with a shape"""
     midstep_velocity: Array
     """(N + walls, 2) m/s: displacement over time step; zero for walls. (N + walls, 3) with spins (rad/s) of bodies"""
     before: Array
@@ -383,6 +386,7 @@ def make_workspace(parameters: Parameters, state: State, room: float, velocities
         candidates=contacts.make_candidates(count, pairs),
         contacts=contacts.make_contacts(pairs + count * walls),
         force=np.zeros((count, 2)),
+        torque=np.zeros(count),
         midstep_velocity=np.zeros((count + walls, velocities)),
         before=np.zeros((count + walls, velocities)),
         restitution=np.zeros(count),

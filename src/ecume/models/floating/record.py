@@ -13,7 +13,7 @@ from ecume.laws import brownian_motion, capillarity, contact_lines, drag, flotat
 from ecume.models.actions import Access
 from ecume.models.diagnosis import DEEP, first_broken, when
 from ecume.models.floating.check_report import summary
-from ecume.models.floating.contacts.contact_models import contacts_of, gaps_between
+from ecume.models.floating.contacts.contact_models import contacts_of, gaps_between, rows_for
 from ecume.models.floating.forces.barrier import with_walls_of
 from ecume.models.floating.frames import OVERLAP, invariants, observe
 from ecume.models.floating.parameters import (
@@ -64,6 +64,7 @@ def workspace(parameters: Parameters, state: State, room: float) -> Workspace:
     while True:
         velocities = INTEGRATORS_BY_CONSTANTS[type(parameters.parts.integrator)].velocities
         made = make_workspace(parameters, state, room, velocities)
+        made = made._replace(contacts=rows_for(parameters, made.contacts))
         made = made._replace(scratch=make_scratch(parameters, state, made))
         bare, space = parameters._replace(parts=()), made._replace(scratch=())
         if fill_lists(parameters.parts, made.scratch, bare, compiled_state(state), space):

@@ -26,7 +26,7 @@ from ecume.engine.contact import friction as coulomb
 from ecume.engine.contact import impulse_solvers, rolling
 from ecume.engine.contact.contacts import Bodies, Contacts, DiscMotion
 from ecume.engine.contact.friction import FrictionalContacts, Motion
-from ecume.engine.contact.impulse_solvers import Tolerance
+from ecume.engine.contact.impulse_solvers import Tolerance, contact_keys, normal_velocities
 from ecume.engine.contact.rolling import RollingContacts
 from ecume.engine.contact.torque_contacts import TorqueContacts
 from ecume.engine.outlines import Outlines
@@ -249,6 +249,10 @@ class Outlined(NamedTuple):
     """see `Impulses`"""
 
 
+class BarrierOutlined(Outlined):
+    """Contacts between outlines in a dish with a barrier."""
+
+
 class BrownianImpulses(Impulses):
     """Impulses between Brownian floats."""
 
@@ -269,6 +273,7 @@ class Variants(NamedTuple):
 VARIANTS = {
     Impulses: Variants(BrownianImpulses, BarrierImpulses),
     Friction: Variants(BrownianFriction, BarrierFriction),
+    Outlined: Variants(Outlined, BarrierOutlined),
 }
 
 
@@ -281,10 +286,9 @@ def variant_of(part: Any, parameters: Parameters, pushed: bool) -> Any:
     return kind(*part)
 
 
-def impulses_at_step(part: Impulses, parameters: Parameters, turned: Array | None, pushed: bool) -> Impulses:
+def impulses_at_step(part: Any, parameters: Parameters, turned: Array | None, pushed: bool) -> Any:
     """Return the part in the type that this scene requires."""
-    found: Impulses = variant_of(part, parameters, pushed)
-    return found
+    return variant_of(part, parameters, pushed)
 
 
 class Solver(NamedTuple):
@@ -527,6 +531,7 @@ ROUGH = Solver(
     load_friction_spins,
     store_friction_spins,
 )
+OUTLINES = Solver(solve_outlines, push_outlines, solve_outlines)
 SOLVERS: dict[type, Solver] = {
     Impulses: SMOOTH,
     BrownianImpulses: SMOOTH._replace(collide_by_noise=collide_smoothly),
@@ -534,12 +539,11 @@ SOLVERS: dict[type, Solver] = {
     Friction: ROUGH,
     BrownianFriction: ROUGH._replace(collide_by_noise=collide_together),
     BarrierFriction: ROUGH._replace(add_pushes=add_pushes_on_walls, still=still_before_barrier),
-    Outlined: Solver(solve_outlines, push_outlines, solve_outlines),
+    Outlined: OUTLINES,
+    BarrierOutlined: OUTLINES._replace(add_pushes=add_pushes_on_walls, still=still_before_barrier),
 }
 """The solvers by type of the part."""
 
-normal_velocities = selected(impulse_solvers.ROWS, "speeds")
-contact_keys = selected(impulse_solvers.ROWS, "keys")
 stop = selected(SOLVERS, "stop")
 push = selected(SOLVERS, "push")
 solve = selected(SOLVERS, "solve")

@@ -19,6 +19,8 @@ import numpy as np
 
 from ecume._jit import admit, selected
 from ecume._tables import by_constants
+from ecume.engine.contact.contacts import Contacts
+from ecume.engine.contact.torque_contacts import make_torque_contacts
 from ecume.laws import friction
 from ecume.models.floating.contacts.collisions import (
     VARIANTS,
@@ -122,6 +124,8 @@ class ContactModel(Option):
     """inertia(part): of floats that contacts turn (kg m^2), (N,)"""
     energy: Callable[..., tuple[float, float]] = no_energy
     """energy(part, scratch, parameters, state, workspace): among floats and at walls (J)"""
+    rows: Callable[[Any, Contacts], Any] = lambda part, rows: rows
+    """rows(part, rows of discs): the rows of a workspace that has room for as many contacts of discs"""
     gaps: Callable[..., Gaps] | None = None
     """gaps(part, parameters, (positions, angles), reach): for floats that are no discs"""
     separated: Callable[..., tuple[Array, Array]] | None = None
@@ -182,8 +186,9 @@ CONTACTS = {
     ),
     "outlines": ContactModel(
         path="particles", name="a float with a shape", constants=Outlined, make=_outlined,
-        before_drift=collide_outlines, after_drift=separate_outlines, at_end=constrain_outline_velocities,
-        find=find_outline_contacts, scratch=shared_scratch, gaps=gaps_of_outlines,
+        at_step=impulses_at_step, before_drift=collide_outlines, after_drift=separate_outlines,
+        at_end=constrain_outline_velocities, find=find_outline_contacts, scratch=shared_scratch, gaps=gaps_of_outlines,
+        rows=lambda part, rows: make_torque_contacts(2 * len(rows.gap), part.places),
         separated=separated_outlines,
     ),
     "coupled": ContactModel(
@@ -213,6 +218,11 @@ BY_CONSTANTS |= {
 def contacts_of(parameters: Parameters) -> ContactModel:
     """The row of the parameters' contacts."""
     return BY_CONSTANTS[type(parameters.parts.contacts)]
+
+
+def rows_for(parameters: Parameters, rows: Contacts) -> Any:
+    """The contacts of a workspace, for as many as these rows of discs have room for."""
+    return contacts_of(parameters).rows(parameters.parts.contacts, rows)
 
 
 def gaps_between(parameters: Parameters, position: Array, angle: Array, reach: float) -> Gaps:

@@ -20,7 +20,7 @@ import numpy as np
 
 from ecume._jit import compiled, compiled_inside
 from ecume.engine.cells import Integers
-from ecume.engine.contact.contacts import normal_velocities
+from ecume.engine.contact.impulse_solvers import normal_velocities
 from ecume.engine.walls import Walls, surfaces
 from ecume.laws import rafts
 from ecume.models.floating.dishes import acts, wall_energy, wall_force, wall_law_of, walls_of
@@ -370,6 +370,11 @@ def barrier_of(parameters: Parameters, scene: FloatingScene) -> Built:
     assert dish.barrier is not None  # noqa: S101
     barrier, walls, limit = dish.barrier, walls_of(dish), dish.barrier.largest_pressure
     moving = _moving(barrier, len(walls.offset))
+    if scene.shaped and wall_law_of(scene):
+        raise scene_error(
+            "dish.law", "got a meniscus on a barrier, and floats with a shape; expected dish.law = 'none': its work is "
+            "known on one charge of each float, not on all points of a contact line"
+        )  # fmt: skip
     if limit is None:
         limit = rafts.buckling_pressure(liquid_of(scene), 2.0 * float(parameters.floats.radius.max()))
     smoothing = SMOOTHING * float(parameters.floats.radius.min())

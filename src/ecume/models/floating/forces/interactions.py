@@ -205,14 +205,13 @@ INTERACTIONS = {
     "shapes": Interaction(
         path="particles", name="a float with a shape", constants=Shaped, make=shapes_of, add_forces=shaped_forces,
         energy=shaped_energies, rounding=rounding_of_energies, scratch=make_shaped_scratch,
-        inertia=lambda part: np.asarray(part.inertia),
+        inertia=lambda part: np.asarray(part.inertia), gives=frozenset({"moving walls"}),
         laws=(contact_lines.ellipsoid_undulation, contact_lines.spread_charges, contact_lines.quadrupole_energy),
         needs={
             "turns bodies": "its drag differs along and across, and kicks must turn it",
             "superposed": "its charges are superposed",
             "charges": "its contact line is a set of charges",
             "point charges": "the wall acts on each of its charges by itself, without images of the others",
-            "open": "its charges and its outline meet those of other bodies, not of their images",
         },
     ),
     "multipole": Interaction(
@@ -245,12 +244,9 @@ INTERACTIONS = {
         path="magnetic_field", name="a magnetic field", constants=MagneticField, make=magnetic_field_of,
         add_forces=magnetic_forces, energy=magnetic_energy, scratch=make_magnetic_scratch, kick_spins=renew_field,
         lines=magnetic_lines, arrays=lambda part: {"magnetic_moment": (part.permanent.copy(), "A*m^2")},
-        gives=ROUND | {"moving walls", "pair sum", "undulations", "grid", "no torques"},
+        gives=ROUND | {"moving walls", "pair sum", "undulations", "grid", "superposed", "no torques"},
         laws=(pair_laws.oblique_dipole_energy, pair_laws.induced_moment),
-        needs={
-            "round": "induced moments are those of spheres",
-            "kicks at the ends": "the field is renewed once per step",
-        },
+        needs={"kicks at the ends": "the field is renewed once per step"},
     ),
     "grid": Interaction(
         path="interaction.summation", name="'grid'", constants=Split, make=lambda parameters, scene: Built(()),
@@ -286,8 +282,6 @@ INTERACTIONS = {
             "drag": "waves take their energy from outside, and drag takes it from the floats",
             "kicks at the ends": "the torques of waves turn a float once per step",
             "kicks spins": "the torques of waves turn floats",
-            "round": "the sources are points of a float whose outline does not turn",
-            "no torques": "menisci that turn floats and waves that turn them are not combined",
             "open": "waves of images would overlap to infinity",
             "single drag": "the flow of a float that turns moves its neighbors",
         },

@@ -69,7 +69,9 @@ class Waves(NamedTuple):
     steepness: float
     """the largest wavenumber times amplitude, one wavelength from a source"""
     advances_angles: bool
-    """whether no contacts with friction advance the angles"""
+    """whether neither contacts with friction nor the kicks of bodies advance the angles"""
+    kicks: bool
+    """whether the waves kick the spins; those of floats with a shape are in the kicks of bodies"""
 
 
 class WavesScratch(NamedTuple):
@@ -83,6 +85,8 @@ class WavesScratch(NamedTuple):
     """(N, 2) N"""
     torque: Array
     """(N,) N m"""
+    on_bodies: Array
+    """(N,) N m: the torques of the workspace"""
     before: Array
     """(N, 6) at the start of the step: force, torque, position, angle"""
 
@@ -91,7 +95,8 @@ def make_waves_scratch(part: Waves, parameters: Parameters, state: State, worksp
     """Return the workspace."""
     count = len(state.position)
     spots, zeros = np.zeros((len(part.owner), 2)), np.zeros
-    return WavesScratch(state.turning, state.active, spots, zeros((count, 2)), zeros(count), zeros((count, 6)))
+    forces = zeros((count, 2)), zeros(count), workspace.torque
+    return WavesScratch(state.turning, state.active, spots, *forces, zeros((count, 6)))
 
 
 def with_headings(part: Waves, state: State) -> State:
@@ -150,6 +155,8 @@ def wave_forces(
     for i in range(len(scratch.torque)):
         force[i, 0] += scratch.force[i, 0]
         force[i, 1] += scratch.force[i, 1]
+        if not part.kicks:
+            scratch.on_bodies[i] += scratch.torque[i]
 
 
 @compiled_inside
@@ -166,7 +173,7 @@ def kick_wave_spins(part: Waves, scratch: WavesScratch, parameters: Parameters, 
     do so; after the second, add the work of the step by the mean of the forces at both ends.
     """
     time, count = parameters.time_step, len(scratch.torque)
-    for i in range(count):
+    for i in range(count if part.kicks else 0):
         friction, inertia, spin = part.friction[i], part.inertia[i], scratch.turning[i, 1]
         if parameters.scheme.inertia:
             rate = 0.5 * time * friction / inertia
@@ -181,7 +188,7 @@ def kick_wave_spins(part: Waves, scratch: WavesScratch, parameters: Parameters, 
             before[i, 3], before[i, 4], before[i, 5] = state.position[i, 0], state.position[i, 1], scratch.turning[i, 0]
             scratch.turning[i, 0] += time * scratch.turning[i, 1] if part.advances_angles else 0.0
         # The headings of active floats diffuse already.
-        if parameters.drift.thermal > 0.0 and len(scratch.active) == 0:
+        if parameters.drift.thermal > 0.0 and len(scratch.active) == 0 and part.kicks:
             turn_by_noise(part, scratch, parameters, int(state.step[0]))
         return
     work = 0.0
@@ -227,13 +234,16 @@ def waves_of(parameters: Parameters, scene: FloatingScene) -> Built:
     _require_headings(scene)
     owner, place, press = _sources(parameters, scene)
     kinds, number = distinct_kinds(scene)
-    inertia = np.array([float_inertia(kind) for kind in kinds])[number]
+    inertia = np.array([kind.figure.inertia if scene.shaped else float_inertia(kind) for kind in kinds])[number]
     friction = turning_frictions(scene)
+    if scene.shaped:
+        friction = np.array([kind.figure.friction[2] for kind in kinds])[number]
     table, spacing = _table(found, parameters, scene)
     strongest = float(np.max(np.bincount(owner, np.hypot(*press.T))))
     part = Waves(
         owner, place, press, table, spacing, inertia, friction, found.wavelength, found.decay_length,
-        radiated_waves.steepness(float(np.hypot(*press.T).max()), found), not scene.rubs,
+        radiated_waves.steepness(float(np.hypot(*press.T).max()), found),
+        not (scene.rubs or scene.shaped), not scene.shaped,
     )  # fmt: skip
     arm = float(np.hypot(*place.T).max())
     gap = 2.0 * float(radius[owner].min()) - 2.0 * arm

@@ -15,7 +15,7 @@ from ecume.engine.cells import Integers
 from ecume.engine.contact import torque_contacts as touching
 from ecume.engine.contact.contacts import Candidates
 from ecume.engine.contact.separation import separate
-from ecume.engine.outlines import NEARNESS, Outlines, Stance, bodies_near, turn_corners, wall_near
+from ecume.engine.outlines import NEARNESS, Stance, bodies_near, turn_corners, wall_near
 from ecume.engine.walls import Walls, wall_count
 from ecume.models.floating.contacts.collisions import Outlined
 from ecume.models.floating.parameters import Parameters
@@ -105,13 +105,14 @@ def gaps_of_outlines(part: Outlined, parameters: Parameters, at: tuple[Array, Ar
     """Pairs nearer than `reach`, for bodies at the positions and angles `at`, for initial states and frames. All pairs
     are tested.
     """
-    (position, angle), radius, count, outlines = at, parameters.floats.radius, len(at[0]), part.outlines
-    stance = _stance(outlines, position, angle)
+    (position, _), radius, count, outlines = at, parameters.floats.radius, len(at[0]), part.outlines
+    stance = _stance(part, parameters, at)
     turn_corners(outlines, stance)
     near, found = np.zeros((part.places, NEARNESS)), []
     for i in range(count):
-        apart = np.hypot(*(position[i + 1 :] - position[i]).T)
-        for j in i + 1 + np.flatnonzero(apart < radius[i] + radius[i + 1 :] + reach):
+        pairs = np.column_stack([np.full(count - i - 1, i), np.arange(i + 1, count)])
+        depth = _depths(position, radius, parameters.periods, pairs)[1]
+        for j in i + 1 + np.flatnonzero(depth > -reach):
             total = bodies_near(outlines, stance, i, int(j), reach, near)
             if total:
                 found.append((i, int(j), float(near[:total, 0].min())))
@@ -129,7 +130,7 @@ def separated_outlines(
     are those of bodies at the positions and angles `at`.
     """
     count, slop = len(parameters.floats.radius), KEPT * parameters.slop
-    stance, pairs = _stance(part.outlines, *at), [(i, j) for i, j, _ in gaps if j < count]
+    stance, pairs = _stance(part, parameters, at), [(i, j) for i, j, _ in gaps if j < count]
     first = np.searchsorted([i for i, _ in pairs], np.arange(count + 1))
     candidates = Candidates(first.astype(np.int64), np.array([j for _, j in pairs], np.int64))
     weights = np.stack([1.0 / parameters.floats.mass] * 3, axis=1)
@@ -143,5 +144,5 @@ def separated_outlines(
     return stance.position, stance.angle
 
 
-def _stance(outlines: Outlines, position: Array, angle: Array) -> Stance:
-    return Stance(np.array(position), np.array(angle), np.zeros_like(outlines.corner))
+def _stance(part: Outlined, parameters: Parameters, at: tuple[Array, Array]) -> Stance:
+    return Stance(np.array(at[0]), np.array(at[1]), np.zeros_like(part.outlines.corner), parameters.periods)

@@ -360,6 +360,7 @@ def options_of(scene: FloatingScene, chosen: Chosen) -> list[Option]:
         (scene.flow is not None, FLOW),
         (scene.dish is not None and scene.dish.motion is not None, SWAY),
         (bool(hydrodynamics.added_mass), ADDED_MASS),
+        (scene.magnetic_field is not None and scene.magnetic_field.susceptibility > 0.0, INDUCED),
         (any(one.disc is not None and one.disc.undulation > 0.0 for one in scene.given), UNDULATION),
         (_turned_by_menisci(scene), TURNING),
         (scene.activity is not None and scene.activity.torque != 0.0, TORQUE),
@@ -414,6 +415,11 @@ SWAY = Option(
 ADDED_MASS = Option(
     slot="mass", path="hydrodynamics.added_mass", name="added mass", needs={"round": "it is known of spheres only"}
 )
+
+INDUCED = Option(
+    slot="field", path="magnetic_field.susceptibility", name="an induced moment",
+    needs={"round": "induced moments are those of spheres; a long body has another demagnetizing field"},
+)  # fmt: skip
 
 UNDULATION = Option(
     slot="particles", path="interaction.method", name="a disc with an undulation",

@@ -17,9 +17,9 @@ import numpy as np
 from ecume._jit import admit, compiled, composed
 from ecume.engine.cells import Integers
 from ecume.engine.contact import torque_contacts as touching
-from ecume.engine.contact.contacts import deepest_overlap
+from ecume.engine.contact.contacts import apart, deepest_overlap
 from ecume.engine.contact.separation import separate
-from ecume.engine.contact.torque_contacts import OutlinedBodies, TorqueContacts, make_torque_contacts
+from ecume.engine.contact.torque_contacts import OutlinedBodies, TorqueContacts
 from ecume.engine.neighbors import NeighborLists
 from ecume.engine.outlines import Outlines, Stance
 from ecume.engine.philox import counter_of, counter_of_pair, normals, uniforms
@@ -35,6 +35,7 @@ from ecume.models.floating.contacts.collisions import (
     require_gaps,
     require_rest,
     solve_contacts,
+    still,
 )
 from ecume.models.floating.dishes import acts, wall_energy, wall_force
 from ecume.models.floating.forces.flow_and_noise import current_at
@@ -94,7 +95,7 @@ class ShapedScratch(NamedTuple):
     """Workspace of all parts of floats with a shape."""
 
     torque: Array
-    """(N,) N m"""
+    """that of the workspace"""
     turning: Array
     """(N, 2) those of the state"""
     at: Array
@@ -109,15 +110,13 @@ class ShapedScratch(NamedTuple):
     """(N, 3) forces and torques by the motion of the liquid and of the dish"""
     ahead: Array
     """(N, 3) the change of velocities and spins by that of the flow until the middle of the step"""
-    levers: TorqueContacts
 
 
 def make_shaped_scratch(shaped: Shaped, parameters: Parameters, state: State, workspace: Workspace) -> ShapedScratch:
-    """Return a workspace for as many contacts as the common workspace holds."""
-    room = 2 * len(workspace.contacts.first)
+    """Return the workspace."""
     count = len(state.position)
     return ShapedScratch(
-        torque=np.zeros(count),
+        torque=workspace.torque,
         turning=state.turning,
         at=np.zeros_like(shaped.place),
         angle=np.zeros(count),
@@ -125,7 +124,6 @@ def make_shaped_scratch(shaped: Shaped, parameters: Parameters, state: State, wo
         mobility=np.zeros((count, 3)),
         drag=np.zeros((count, 3)),
         ahead=np.zeros((count, 3)),
-        levers=make_torque_contacts(room, shaped.places),
     )
 
 
@@ -135,6 +133,12 @@ def solver_bodies(part: Outlined, parameters: Parameters, scratch: ShapedScratch
     return OutlinedBodies(
         part.outlines, parameters.floats.radius, parameters.walls, scratch.mobility, parameters.passing
     )
+
+
+@compiled
+def stance_of(scratch: ShapedScratch, parameters: Parameters, state: State) -> Stance:
+    """The positions and angles of all bodies, which separating them changes."""
+    return Stance(state.position, scratch.angle, scratch.corner, parameters.periods)
 
 
 @compiled
@@ -207,7 +211,7 @@ def shaped_forces(
         i = order[slot]
         for place in range(first[slot], first[slot + 1]):
             j = order[neighbor[place]]
-            x, y = position[j, 0] - position[i, 0], position[j, 1] - position[i, 1]
+            x, y = apart(position, i, j, lists.rows.periods)
             if i < j and x * x + y * y < cutoff * cutoff:
                 force_x, force_y, torque_i, torque_j = body_pair_forces(shaped, parameters, scratch.at, (i, j), (x, y))
                 force[i, 0] += force_x
@@ -250,7 +254,7 @@ def shaped_energies(
         i = order[slot]
         for place in range(first[slot], first[slot + 1]):
             j = order[neighbor[place]]
-            x, y = state.position[j, 0] - state.position[i, 0], state.position[j, 1] - state.position[i, 1]
+            x, y = apart(state.position, i, j, lists.rows.periods)
             if i < j and x * x + y * y < cutoff * cutoff and parameters.pair[STRENGTH] != 0.0:
                 pairs += energy_of_pair(shaped, parameters, scratch.at, (i, j), (x, y))
         for p in range(shaped.first[i], shaped.first[i + 1]):
@@ -438,9 +442,9 @@ def store(state: State, velocity: Array) -> None:
 
 
 @compiled
-def copy(target: Array, source: Array) -> None:
-    """Copy all rows."""
-    for i in range(target.shape[0]):
+def copy(target: Array, source: Array, count: int) -> None:
+    """Copy the first rows."""
+    for i in range(count):
         for axis in range(3):
             target[i, axis] = source[i, axis]
 
@@ -529,7 +533,7 @@ def add_rigid_heat(
 @compiled
 def kick_twice(part: RigidKicks, scratch: ShapedScratch, parameters: Parameters, workspace: Workspace) -> None:
     """Compute the midstep velocities after a kick, and the velocities `before` after a kick without forces."""
-    copy(workspace.before, workspace.midstep_velocity)
+    copy(workspace.before, workspace.midstep_velocity, len(workspace.force))
     kick(part, scratch, parameters, workspace.force, workspace.before, 0.0)
     kick(part, scratch, parameters, workspace.force, workspace.midstep_velocity, 1.0)
 
@@ -594,7 +598,7 @@ def collide_outlines(
     part: Outlined, scratch: ShapedScratch, parameters: Parameters, state: State, workspace: Workspace
 ) -> None:
     """Solve collisions, then a plastic solve for the midstep velocities, so that no float overlaps another."""
-    levers, velocities = scratch.levers, (workspace.before, workspace.midstep_velocity)
+    levers, velocities = workspace.contacts, (workspace.before, workspace.midstep_velocity)
     bounce(part, scratch, parameters, state, levers, velocities, workspace.restitution)
     require_gaps(part.overlapping, parameters, levers)
     if parameters.drift.thermal > 0.0:
@@ -633,8 +637,8 @@ def separate_outlines(
 ) -> None:
     """List the contacts at the new positions, and remove deep overlaps without changing velocities."""
     reach = 2.0 * workspace.travel[0] + parameters.slop
-    stance = Stance(state.position, scratch.angle, scratch.corner)
-    bodies, levers = solver_bodies(part, parameters, scratch), scratch.levers
+    stance = stance_of(scratch, parameters, state)
+    bodies, levers = solver_bodies(part, parameters, scratch), workspace.contacts
     touching.gather(levers, workspace.candidates, stance, bodies, reach)
     deepest = deepest_overlap(levers.total, levers.gap)
     state.tally[DEEPEST] = max(state.tally[DEEPEST], deepest)
@@ -652,10 +656,10 @@ def constrain_outline_velocities(
 
     A faster approach than by the kick alone is a collision of the next step.
     """
-    levers = scratch.levers
-    touching.normal_velocities(levers, workspace.before, levers.change)
+    levers, before = workspace.contacts, workspace.before
+    touching.normal_velocities(levers, before, levers.change)
     touching.normal_velocities(levers, workspace.midstep_velocity, levers.scratch)
-    require_rest(parameters, levers, 0.0)
+    require_rest(parameters, levers, float(still(part, parameters, before)))
     solve_contacts(part, scratch, parameters, state, levers, workspace.midstep_velocity)
 
 
@@ -664,10 +668,10 @@ def find_outline_contacts(
     part: Outlined, scratch: ShapedScratch, parameters: Parameters, state: State, workspace: Workspace
 ) -> int:
     """List the possible contacts of this step. Returns `CROWDED` if the capacity is exceeded."""
-    stance = Stance(state.position, scratch.angle, scratch.corner)
+    stance = stance_of(scratch, parameters, state)
     # Twice the travel for a head-on pair, and twice again for floats that others push.
     reach = 4.0 * workspace.travel[0] + parameters.slop
     room = touching.gather(
-        scratch.levers, workspace.candidates, stance, solver_bodies(part, parameters, scratch), reach
+        workspace.contacts, workspace.candidates, stance, solver_bodies(part, parameters, scratch), reach
     )
     return DONE if room else CROWDED
