@@ -118,6 +118,7 @@ def moments(
         if clock is not None and clock.is_due(step, last):
             sample, last = frame or schedule.observe(), step
         yield Moment(state, frame, step, total, parameters, taken, planned, sample)
+        frame = sample = None  # not kept during the steps
         if step >= total:
             return
         ahead = min(per_frame - step % per_frame, total - step, schedule.ahead())
@@ -158,6 +159,7 @@ class Integration:
 
     def renew(self) -> None:
         """Allocate a new workspace after a change of the state."""
+        self.workspace = None  # its memory
         self.workspace = self.model.workspace(self.parameters, self.state, self.room)
 
     def go(self, most: int) -> None:

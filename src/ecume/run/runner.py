@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import contextlib
 import functools
-import itertools
 import math
 import os
 import time
@@ -158,7 +157,9 @@ def run(
             clear(home)
             _found(home, scene, first.parameters, code, options)
             session = _Session(home, scene, options, Checkpoint(None, 0), code)
-            return _drive(session, itertools.chain([first], moments), request)
+            moments = _beginning_with(first, moments)
+            del first  # its frame
+            return _drive(session, moments, request)
 
 
 def resume(
@@ -201,7 +202,16 @@ def resume(
         if first.frame is not None:
             require_numbers(options.numbers, first.frame)
         _reopen(home)
-        return _drive(_Session(home, scene, options, checkpoint, code), itertools.chain([first], moments), request)
+        moments = _beginning_with(first, moments)
+        del first  # its frame
+        return _drive(_Session(home, scene, options, checkpoint, code), moments, request)
+
+
+def _beginning_with(first: Moment, rest: Iterator[Moment]) -> Iterator[Moment]:
+    """The moments with one before them, which is not kept: frames of many particles are large."""
+    yield first
+    del first
+    yield from rest
 
 
 def _completed(home: RunDirectory) -> RunResult | None:
@@ -406,6 +416,7 @@ class _Session:
                 return
             if request and not moment.ended:
                 raise Stopped(f"stopped by {request.name} {self.at.place}; to continue: ecume resume {self._home.path}")
+            del moment  # its frame, before the next one is made
 
     def succeed(self) -> None:
         """Mark the run as complete."""

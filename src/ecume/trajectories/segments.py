@@ -10,11 +10,12 @@ after the last complete frame belong to no frame, and are reported as a remark.
 from __future__ import annotations
 
 import contextlib
+import hashlib
 import itertools
 import os
 import struct
 import zlib
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from io import FileIO
 from pathlib import Path
 from typing import Any, NamedTuple, Self
@@ -29,6 +30,7 @@ from ecume.trajectories.frame import Frame
 from ecume.trajectories.gsd import CHECKSUM, CODES, ENTRY, FILE_HEADER, NAME_UNIT, TYPES, Chunks
 from ecume.trajectories.records import replacing, storing
 
+Piece = bytes | memoryview
 FIRST_ROOM = 512
 """The number of entries in the first block of an index."""
 NAMES_LOCATION = gsd.FILE_HEADER.itemsize + FIRST_ROOM * ENTRY.itemsize
@@ -224,7 +226,8 @@ class GrowingSegment:
     def __init__(self, path: Path, frames: int) -> None:
         """Continue after this number of frames; any further data is removed."""
         with contextlib.closing(Segment(path)) as segment:
-            self.path, self._first, self.header = path, segment.first, segment.header
+            self.path, self.header = path, segment.header
+            self._first = {name: Fingerprint.of(chunk) for name, chunk in segment.first.items()}
             index = segment.index
         self.frames, self._names, self._location, self._room = frames, index.names, index.location, index.room
         with storing(path):
@@ -233,18 +236,21 @@ class GrowingSegment:
 
     def takes(self, chunks: Chunks) -> bool:
         """Whether the frame has the same arrays and numbers as the previous frames."""
-        return chunks.keys() == self._first.keys() and _same(chunks[gsd.HEADER], self._first[gsd.HEADER])
+        return chunks.keys() == self._first.keys() and self._first[gsd.HEADER].fits(chunks[gsd.HEADER])
 
     def append(self, chunks: Chunks) -> None:
         """Commit one frame: those of its chunks that differ from the first frame."""
-        own = {name: chunk for name, chunk in chunks.items() if name == CHECKSUM or not _same(chunk, self._first[name])}
+        own = {name: chunk for name, chunk in chunks.items() if name == CHECKSUM or not self._first[name].fits(chunk)}
         if self._used + len(own) > self._room:
             self._grow()
-        entries, data = _packed(own, self._names, self.frames, self.size)
-        self._write(data, self.size)
-        # a single wait for the disk is sufficient: after a power failure between the two writes, the checksum differs
+        entries, pieces = _packed(own, self._names, self.frames, self.size)
+        end = self.size
+        for piece in pieces:
+            self._write(piece, end)
+            end += len(piece)
+        # a single wait for the disk is sufficient: after a power failure between the writes, the checksum differs
         self._put(entries.tobytes(), self._location + self._used * ENTRY.itemsize)
-        self.size += len(data)
+        self.size = end
         self._used += len(entries)
         self.frames += 1
 
@@ -281,7 +287,7 @@ class GrowingSegment:
         with storing(self.path):
             os.fsync(self._file.fileno())
 
-    def _write(self, data: bytes, place: int) -> None:
+    def _write(self, data: Piece, place: int) -> None:
         """Write all data at a position; after an error, release the allocated space."""
         with storing(self.path):
             try:
@@ -299,11 +305,13 @@ def create(path: Path, chunks: Chunks) -> None:
     """Create a file with its first frame, either completely or not at all."""
     names = tuple(chunks)
     names_after = listed(names)
-    entries, data = _packed(chunks, names, 0, NAMES_LOCATION + len(names_after))
+    entries, pieces = _packed(chunks, names, 0, NAMES_LOCATION + len(names_after))
     header = header_of(gsd.FILE_HEADER.itemsize, FIRST_ROOM, names)
     block = entries.tobytes().ljust(FIRST_ROOM * ENTRY.itemsize, b"\0")
     with replacing(path, root_of(path)) as file:
-        file.write(header + block + names_after + data)
+        file.write(header + block + names_after)
+        for piece in pieces:
+            file.write(piece)
 
 
 def listed(names: Sequence[str]) -> bytes:
@@ -338,8 +346,8 @@ def root_of(path: Path) -> Path:
     return folder.parent if folder.name == "traj" else folder
 
 
-def _packed(chunks: Chunks, names: Sequence[str], frame: int, start: int) -> tuple[NDArray[Any], bytes]:
-    """The entries of a frame in the order of its names, and its data, for the position `start`."""
+def _packed(chunks: Chunks, names: Sequence[str], frame: int, start: int) -> tuple[NDArray[Any], Iterator[Piece]]:
+    """The entries of a frame in the order of its names, and its data in pieces, for the position `start`."""
     numbers = {name: number for number, name in enumerate(names)}
     entries = np.zeros(len(chunks), ENTRY)
     for entry, name in zip(entries, sorted(chunks, key=numbers.__getitem__), strict=True):
@@ -347,16 +355,56 @@ def _packed(chunks: Chunks, names: Sequence[str], frame: int, start: int) -> tup
         entry["frame"], entry["location"], entry["name"] = frame, start, numbers[name]
         entry["rows"], entry["columns"], entry["type"] = *chunk.shape, CODES[chunk.dtype]
         start += chunk.nbytes
-    return entries, b"".join(chunks[names[entry["name"]]].tobytes() for entry in entries)
+    return entries, _pieces(chunks[names[entry["name"]]] for entry in entries)
+
+
+def _pieces(chunks: Iterable[NDArray[Any]]) -> Iterator[Piece]:
+    """The bytes of chunks one after the other: small chunks together, large ones without a copy."""
+    small: list[Piece] = []
+    for chunk in chunks:
+        small.append(_bytes_of(chunk))
+        if len(small[-1]) >= AT_ONCE:
+            large = small.pop()
+            yield b"".join(small)
+            yield large
+            small.clear()
+    yield b"".join(small)
+
+
+def _bytes_of(chunk: NDArray[Any]) -> memoryview:
+    """The bytes of an array, without a copy if it is contiguous."""
+    return np.ascontiguousarray(chunk).reshape(-1).view(np.uint8).data
 
 
 def _data_end(entries: NDArray[Any]) -> int:
     return int((entries["location"] + gsd.sizes(entries)).max(initial=0))
 
 
-def _same(one: NDArray[Any], other: NDArray[Any]) -> bool:
-    """Whether two arrays have the same bits: a NaN equals itself, and minus zero differs from zero."""
-    return one.dtype == other.dtype and one.shape == other.shape and one.tobytes() == other.tobytes()
+HEAD = 4096
+
+
+class Fingerprint(NamedTuple):
+    """What identifies the bits of an array without keeping them: of large trajectories, the first frame would take a
+    tenth of the memory of a run.
+    """
+
+    kind: np.dtype[Any]
+    shape: tuple[int, ...]
+    head: bytes
+    """the first bytes, which differ in most arrays that change"""
+    digest: bytes
+
+    @classmethod
+    def of(cls, chunk: NDArray[Any]) -> Self:
+        """The fingerprint of an array."""
+        data = _bytes_of(chunk)
+        return cls(chunk.dtype, chunk.shape, bytes(data[:HEAD]), hashlib.sha256(data).digest())
+
+    def fits(self, chunk: NDArray[Any]) -> bool:
+        """Whether an array has the same bits: a NaN equals itself, and minus zero differs from zero."""
+        data = _bytes_of(chunk)
+        alike = (chunk.dtype, chunk.shape) == (self.kind, self.shape) and data[:HEAD] == self.head
+        return alike and hashlib.sha256(data).digest() == self.digest
 
 
 LARGEST = 512 * 2**20
