@@ -117,14 +117,14 @@ def sort_by_cell(position: Array, grid: Grid) -> Sorted:
     """The particles, (d, N), in the order of their cells."""
     count, cells = position.shape[1], int(np.prod(grid.shape))
     sorted_particles = Sorted(np.empty_like(position), np.empty(count, np.int32), np.empty(cells + 1, np.int64))
-    tally = np.empty((BLOCKS if count >= FEW else 1, cells), np.int64)
-    _counting_sort(position, *grid, np.empty(count, np.int64), tally, *sorted_particles)
+    tally = np.empty((BLOCKS if count >= FEW else 1, cells), np.int32)
+    _counting_sort(position, *grid, np.empty(count, np.int32), tally, *sorted_particles)
     return sorted_particles
 
 
 @spread
 def _counting_sort(
-    position: Array, low: Array, edge: Array, shape: Integers, cell: Integers, tally: Integers, there: Array,
+    position: Array, low: Array, edge: Array, shape: Integers, cell: Slots, tally: Slots, there: Array,
     order: Slots, start: Integers,
 ) -> None:  # fmt: skip
     """Sort particles by cell, with a linear and stable counting sort: each block of particles is counted, gets offsets
@@ -175,8 +175,9 @@ def neighbor_lists(position: Array, passive: tuple[int, int], reach: float, befo
     limits, (counts, start, neighbor) = np.array([*passive, longest]), before
     search = *sorted_particles, *grid, reach, limits
     _search(*search, counts, start, neighbor, False)
-    np.cumsum(counts.astype(np.int64) + STRIDE - 1 & -STRIDE, out=start[1:])
+    np.cumsum(counts + (STRIDE - 1) & -STRIDE, out=start[1:])
     if start[-1] > len(neighbor):
+        del before, neighbor  # memory that the larger one may take
         neighbor = np.empty(int(ROOMIER * start[-1]), np.int32)
     _search(*search, counts, start, neighbor, True)
     return Lists(counts, start, neighbor)

@@ -148,6 +148,11 @@ class Workspace:
     records_loads: bool = True
     """whether this step ends in a frame, so that the mean loads of an incompressible liquid are of interest"""
 
+    def give_lists(self) -> Lists:
+        """The lists, which the caller may replace by larger ones: they are no longer in this workspace."""
+        lists, self.lists = self.lists, empty_lists(0)
+        return lists
+
     def take(self, other: Workspace) -> None:
         """Replace all arrays by those of another workspace."""
         self.images, self.lists, self.fields = other.images, other.lists, other.fields
@@ -166,7 +171,7 @@ def make_state(parameters: Parameters, liquid: Liquid) -> State:
         position=liquid.position.copy(),
         velocity=liquid.velocity.copy(),
         acceleration=none,
-        transport=none.copy(),
+        transport=np.zeros(none.shape),  # no memory until it is written
         density=liquid.density.copy(),
         pressure=np.zeros(count) if parameters.projection is None else liquid.pressure.copy(),
         density_rate=np.zeros(count),
@@ -221,10 +226,11 @@ def particle_arrays(state: State) -> dict[str, Any]:
 
 
 def sort_state(parameters: Parameters, state: State) -> None:
-    """Sort particles by cell, so that neighbors are close in memory."""
+    """Sort particles by cell, so that neighbors are close in memory. Zeros that were never written remain no memory."""
     order = sort_by_cell(state.position, grid_around(state.position, parameters.support)).order
     for array in particle_arrays(state).values():
-        array[...] = np.take(array, order, axis=-1)
+        if array.any():
+            array[...] = np.take(array, order, axis=-1)
 
 
 def skin_for(parameters: Parameters, state: State) -> float:
@@ -241,32 +247,38 @@ def skin_for(parameters: Parameters, state: State) -> float:
 
 
 def workspace_at(parameters: Parameters, state: State, before: Workspace | None = None) -> Workspace:
-    """The workspace at the state's reference positions; the arrays of the previous workspace are reused.
+    """The workspace at the state's reference positions; the arrays of the previous workspace are reused, or given up
+    before larger ones take their place.
 
     `parameters` are those at the reference: see `boundaries.rigid_bodies`.
     """
-    boundary, reach = parameters.boundary, parameters.support + float(state.skin[0])
+    boundary, skin = parameters.boundary, float(state.skin[0])
     real = np.concatenate([state.reference, boundary.dummies.position], axis=1)
-    images = images_of(real, boundary.sides, max(reach, parameters.color_reach + float(state.skin[0])))
+    images = images_of(real, boundary.sides, max(parameters.support, parameters.color_reach) + skin)
     all_positions = np.concatenate([real, positions_of_images(real, images, boundary.sides)], axis=1)
     liquid, count = state.reference.shape[1], real.shape[1]
-    lists = before.lists if before else empty_lists(count)
-    lists = neighbor_lists(all_positions, (liquid, count), reach, lists)
-    cells = (
-        cells_of(all_positions, parameters.support, float(state.skin[0]))
-        if parameters.passive_tracers.start[-1]
-        else None
+    del real
+    lists = neighbor_lists(
+        all_positions, (liquid, count), parameters.support + skin, before.give_lists() if before else empty_lists(count)
     )
+    cells = cells_of(all_positions, parameters.support, skin) if parameters.passive_tracers.start[-1] else None
+    del all_positions
     columns = count + len(images.source)
     if before and before.fields.shape[1] == columns:
         put_kinds(parameters, state, before.fields)
         return Workspace(images, lists, before.fields, before.rates, before.records, before.before, cells)
+    width = RECORD
+    if before:
+        width = before.records.shape[1]
+        before.fields, before.records = zero_fields(0, parameters.precision), before.records[:0].copy()
     fields = zero_fields(columns, parameters.precision, parameters.corrects)
     fields.liquid[:liquid], fields.viscosity[:liquid] = 1.0, parameters.material.viscosity
     put_kinds(parameters, state, fields)
     put_dummies(parameters, fields, liquid)
+    records = np.zeros((columns, width), parameters.precision)
+    if before and before.rates.shape[1] == liquid:
+        return Workspace(images, lists, fields, before.rates, records, before.before, cells)
     rates, rates_before = zero_rates(liquid, parameters.precision), np.zeros((parameters.dimension + 1, liquid))
-    records = np.zeros((columns, RECORD), parameters.precision)
     return Workspace(images, lists, fields, rates, records, rates_before, cells)
 
 
