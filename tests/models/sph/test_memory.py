@@ -4,10 +4,14 @@ import subprocess
 import sys
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 import ecume
-from ecume.models.sph.record import bytes_per_particle
+from ecume.models.sph.rates.right_hand_side import fill
+from ecume.models.sph.record import SPH, bytes_per_particle
+from ecume.models.sph.state import FIRST_SKIN
+from ecume.trajectories.gsd import chunks_of, header_of
 
 TEMPLATES = Path(ecume.__file__).parent / "templates"
 PEAK = """
@@ -23,6 +27,33 @@ print(len(frame.arrays["position"]), 1024 * int(largest.split()[1]))
 """
 """Not `ru_maxrss`: it counts the process that started this one, whose memory it had until it was replaced."""
 SIZES = {"dam-break": ("4 mm", "1.4 mm"), "dam-break-3d": ("20 mm", "6 mm")}
+
+
+def in_use(array):
+    """The bytes of the rows of an array that are not zero: zeros that were never written take no memory."""
+    return sum(row.nbytes for row in np.atleast_2d(array) if row.any())
+
+
+@pytest.mark.compiled
+@pytest.mark.parametrize(("template", "spacing"), [("dam-break", "7.5 mm"), ("dam-break-3d", "20 mm")])
+def test_check_counts_the_arrays_of_a_tank(template, spacing):
+    """State, tables and lists after the first evaluation, the frame, and what viewers read of it."""
+    scene = ecume.load_scene(TEMPLATES / f"{template}.toml", [f'spacing="{spacing}"'])
+    parameters = SPH.parameters(scene)
+    state = SPH.start(scene, parameters)
+    state.velocity[...] = state.acceleration[...] = state.density_rate[...] = 1.0
+    state.skin[0] = FIRST_SKIN * parameters.support
+    tank = SPH.workspace(parameters, state, 1.0)
+    fill(parameters, state, tank)
+    of_state = sum(in_use(array) for array in state if array.size >= len(state.mass))
+    of_sums = len(state.mass) * 8 * (parameters.dimension + 2) + tank.records.nbytes
+    row = np.quantile(np.diff(tank.lists.start), 0.9)  # in the interior; rows at the surface are shorter
+    lists = tank.lists.counts.nbytes + tank.lists.start.nbytes + 4.0 * row * len(state.mass)
+    frame = SPH.observe(parameters, state, tank)
+    viewed = sum(array.nbytes for name, array in chunks_of(frame, 0, header_of(frame, 0)).items() if "log" not in name)
+    recorded = sum(array.nbytes for array in frame.arrays.values()) + viewed
+    found = of_state + in_use(tank.fields.table) + of_sums + lists + recorded
+    assert found / len(state.mass) == pytest.approx(bytes_per_particle(scene), rel=0.1)
 
 
 @pytest.mark.compiled

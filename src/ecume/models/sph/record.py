@@ -21,7 +21,6 @@ from ecume.models.sph.boundaries.driven_bodies import drive_bodies
 from ecume.models.sph.boundaries.open_boundaries import exchange, with_buffers
 from ecume.models.sph.boundaries.rigid_bodies import at_reference, with_moved_solids
 from ecume.models.sph.boundaries.walls import flag_outside
-from ecume.models.sph.fields import FIELDS, RATES
 from ecume.models.sph.integration.time_stepping import advance
 from ecume.models.sph.parameters import Liquid, Parameters
 from ecume.models.sph.projection import failed
@@ -152,22 +151,36 @@ def particles_expected(scene: SphScene) -> float:
     return total
 
 
-COPIES = 3
-"""The number of copies of a frame's arrays while it is written."""
-SCALARS = 15
-"""Other numbers of a particle: seven of its state, two places in lists, four in cells, two earlier rates."""
+FIRST_LISTS = 1.1
+"""The range of lists over the support; it is 1.03 to 1.25, depending on the speed of the flow."""
+INT32, DOUBLE = 4.0, 8.0
+"""Bytes of a number."""
 
 
 def bytes_per_particle(scene: SphScene) -> float:
-    """The memory per particle (bytes): state, tables and lists; and while a frame is written its arrays, the chunks of
-    its file, and their bytes.
+    """The memory per particle (bytes) of the arrays that are in use while a frame is written: state, tables, lists, and
+    the frame with its copies in single precision for viewers.
+
+    Rows of tables that a scene does not use are never written, and take no memory. One wall along each axis is assumed
+    to have images or dummies.
     """
-    dimension = len(scene.tank.low)
-    reach = 1.1 * kernel_of(scene).support * smoothing_of(scene)
-    neighbors = likely_neighbors(dimension, reach / scene.spacing)
-    frame = 2 * dimension + 8
-    vectors = 7 * dimension  # five vectors of the state, one vector in the cells, and the previous acceleration
-    return 8.0 * (FIELDS + RATES + RECORD + vectors + SCALARS + COPIES * frame) + 4.0 * neighbors
+    dimension, spacing = len(scene.tank.low), scene.spacing
+    reach = FIRST_LISTS * kernel_of(scene).support * smoothing_of(scene)
+    number = INT32 if scene.method.precision == "single" else DOUBLE
+    state = DOUBLE * (
+        4 * dimension + 5
+    )  # position, velocity, acceleration, reference; density, its rate, mass, numbers
+    fields = number * (3 * dimension + 9)  # position and two velocities; nine scalars
+    rates = number * (dimension + 2)
+    lists = 3.0 * INT32 + INT32 * likely_neighbors(dimension, reach / spacing)
+    frame = DOUBLE * (2 * dimension + 4) + INT32 * (3 + 3 + 2)  # two vectors, and four or two scalars
+    return state + entries_per_particle(scene, reach) * (fields + number * RECORD) + rates + lists + frame
+
+
+def entries_per_particle(scene: SphScene, reach: float) -> float:
+    """The entries of fields, with images or dummies behind one wall along each axis, per particle."""
+    sizes = [np.subtract(*reversed(part_of(region, scene.spacing).bounds())) for region in scene.fluid]
+    return float(sum(np.prod(size + reach) for size in sizes) / sum(np.prod(size) for size in sizes))
 
 
 def diagnosis(parameters: Parameters, state: State) -> str:
