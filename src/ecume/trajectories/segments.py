@@ -244,7 +244,7 @@ class GrowingSegment:
         if self._used + len(own) > self._room:
             self._grow()
         entries, pieces = _packed(own, self._names, self.frames, self.size)
-        end = self.size
+        end: int = self.size
         for piece in pieces:
             self._write(piece, end)
             end += len(piece)

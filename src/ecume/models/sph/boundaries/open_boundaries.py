@@ -171,8 +171,22 @@ def carry_outflows(parameters: Parameters, state: State) -> None:
 
 def exchange_due(parameters: Parameters, state: State) -> bool:
     """Whether a particle enters, leaves or is lost in this step."""
+    if not parameters.open_boundaries:
+        return 0 < number_beyond(state.position, parameters.bounds) < state.position.shape[1]
     comes, out, back, gone = _crossings(parameters, state)
     return bool(len(comes) or len(out) or len(back) or gone.any())
+
+
+@compiled
+def number_beyond(position: Array, bounds: Array) -> int:
+    """The number of particles beyond the bounds (2, d)."""
+    found = 0
+    for i in range(position.shape[1]):
+        beyond = False
+        for axis in range(position.shape[0]):
+            beyond |= position[axis, i] < bounds[0, axis] or position[axis, i] > bounds[1, axis]
+        found += beyond
+    return found
 
 
 def _crossings(parameters: Parameters, state: State) -> tuple[Integers, Integers, Integers, Any]:

@@ -81,8 +81,9 @@ def reflect_particles(guard: Guard, position: Array, velocity: Array, transport:
     out = np.zeros(position.shape[1], np.bool_)
     if len(hits):
         flag_outside(position, guard.sheet.kind, guard.sheet.number, guard.radius, out)
-    found = Reflected(hits, np.flatnonzero(out), position[:, out], np.zeros((len(position), int(out.sum()))))
-    if not len(found.who):
+    who = np.flatnonzero(out)
+    found = Reflected(hits, who, position[:, who], np.zeros((len(position), len(who))))
+    if not len(who):
         return found
     before = velocity[:, out] + transport[:, out]
     x = np.ascontiguousarray((position[:, out] - time * before).T)

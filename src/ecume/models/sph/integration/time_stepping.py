@@ -49,6 +49,7 @@ from ecume.models.sph.rates.shifting import shifts_needed
 from ecume.models.sph.report.energy_budget import (
     add_diffusion_work,
     add_work,
+    has_work_of_forces,
     periodic_work,
     power_of_base_excitation,
     reflection_work,
@@ -82,6 +83,7 @@ def advance(parameters: Parameters, state: State, workspace: Workspace, steps: i
     if not np.isfinite(state.position).all():
         return DIVERGED
     status, crossed = DONE, bool(parameters.open_boundaries) or bool(np.isfinite(parameters.bounds).any())
+    works = has_work_of_forces(parameters)
     for ahead in reversed(range(steps)):
         workspace.records_loads = ahead == 0
         divisions = divisions_needed(parameters, state)
@@ -93,7 +95,8 @@ def advance(parameters: Parameters, state: State, workspace: Workspace, steps: i
                 set_buffer_pressures(parameters, state)
             began = power_of_base_excitation(parameters, state) + float(state.budget[RATE]), bool(state.ready[0])
             step(parameters, state, workspace, parameters.time_step / divisions)
-            add_work(parameters, state, workspace, began, parameters.time_step / divisions)
+            if works:
+                add_work(parameters, state, workspace, began, parameters.time_step / divisions)
             if parameters.projection is not None and failed(parameters.projection, state):
                 return DIVERGED
             if parameters.passive_tracers.start[-1]:
@@ -222,6 +225,8 @@ def resolve_collisions(now: Parameters, state: State, time: float) -> None:
     expel_from_drawn(now, state)
     before = state.velocity.copy() if now.drives else state.velocity
     met = reflect_particles(guard, state.position, state.velocity, state.transport, time)
+    if not len(met.who):
+        return
     np.add.at(state.hits, guard.owner, met.hits)
     state.tally[GUARD_HITS] += met.hits.sum()
     add_impulses(now, state, met)

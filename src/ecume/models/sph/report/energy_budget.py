@@ -134,7 +134,7 @@ def shaken(parameters: Parameters) -> bool:
 def has_external_work(parameters: Parameters) -> bool:
     """Whether any process may add or remove energy."""
     around = product(parameters.boundary.sides.shift, parameters.gravity)
-    outside = shaken(parameters) or forces_work(parameters) or around.any()
+    outside = has_work_of_forces(parameters) or around.any()
     return bool(has_numerical_work(parameters) or outside or may_lose_liquid(parameters))
 
 
@@ -148,6 +148,11 @@ def has_numerical_work(parameters: Parameters) -> bool:
     """
     diffuses = parameters.density_diffusion.excess is not None or parameters.fixed_volume
     return diffuses or dummies_work(parameters) or parameters.projection is not None
+
+
+def has_work_of_forces(parameters: Parameters) -> bool:
+    """Whether base excitation, moving walls, buffers, dummies or user laws do work."""
+    return shaken(parameters) or forces_work(parameters)
 
 
 def forces_work(parameters: Parameters) -> bool:
@@ -224,11 +229,9 @@ def diffusion_work(
 def add_work(
     parameters: Parameters, state: State, workspace: Workspace, began: tuple[float, bool], time: float
 ) -> None:
-    """Add the work of a completed step; `began` contains the power (W) before it, and whether the forces were known
-    then.
+    """Add the work of a completed step, if any force does work; `began` contains the power (W) before it, and whether
+    the forces were known then.
     """
-    if not shaken(parameters) and not forces_work(parameters):
-        return
     if parameters.projection is not None:  # the forces of these particles act during the whole step
         pulled = 0.5 * (began[0] + power_of_base_excitation(parameters, state))
         state.budget[WORK] += (float(state.budget[RATE]) + pulled) * time
