@@ -223,6 +223,8 @@ class GrowingSegment:
     after an index that could not grow.
     """
 
+    size: int
+
     def __init__(self, path: Path, frames: int) -> None:
         """Continue after this number of frames; any further data is removed."""
         with contextlib.closing(Segment(path)) as segment:
@@ -244,7 +246,7 @@ class GrowingSegment:
         if self._used + len(own) > self._room:
             self._grow()
         entries, pieces = _packed(own, self._names, self.frames, self.size)
-        end: int = self.size
+        end = self.size
         for piece in pieces:
             self._write(piece, end)
             end += len(piece)
