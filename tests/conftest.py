@@ -6,7 +6,7 @@ import os
 import signal
 import threading
 import zlib
-from collections import Counter
+from collections import Counter, defaultdict
 from pathlib import Path
 
 import coverage
@@ -19,6 +19,8 @@ PLAIN = ("laws", "contracts", "engine", "models", "lammps")
 """Folders whose tests can run as plain Python, without the compiler."""
 COMPILED_LAWS = "test_multipole.py"
 """Tests of the only laws that are compiled themselves. All others are plain Python in either pass."""
+FEW = 3
+"""Cases of a test that are not `further`."""
 
 # A busy machine is no fault.
 settings.register_profile("ecume", deadline=None)
@@ -119,6 +121,18 @@ def pytest_itemcollected(item):
         item.add_marker(pytest.mark.plain)
         if folder == "lammps" or (folder == "laws" and item.path.name != COMPILED_LAWS):
             item.add_marker(pytest.mark.uncompiled)
+
+
+@pytest.hookimpl(tryfirst=True)
+def pytest_collection_modifyitems(items):
+    """Mark all but a few cases of each test: by their names, so that they are spread, and are always the same ones."""
+    cases = defaultdict(list)
+    for item in items:
+        cases[item.nodeid.partition("[")[0]].append(item)
+    for each in cases.values():
+        each.sort(key=lambda item: (item.get_closest_marker("long") is not None, zlib.crc32(item.name.encode())))
+        for item in each[FEW:]:
+            item.add_marker(pytest.mark.further)
 
 
 def pytest_collection_finish():

@@ -94,7 +94,7 @@ def flat(answer):
     return [np.asarray(part).tolist() for part in answer] if isinstance(answer, tuple) else np.asarray(answer).tolist()
 
 
-@pytest.mark.sampled(2)
+@pytest.mark.long
 @pytest.mark.usefixtures("counting")
 @pytest.mark.parametrize(
     ("function", "more"),

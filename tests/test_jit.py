@@ -58,12 +58,14 @@ def nested(tmp_path):
     return run, folder
 
 
+@pytest.mark.long
 def test_a_second_process_finds_the_whole_on_the_disk_and_needs_no_part(nested):
     run, _ = nested
     assert run().stdout.split() == ["7.0", "0", "0"]
     assert run().stdout.split() == ["7.0", "1", "0"]
 
 
+@pytest.mark.long
 def test_a_lost_whole_is_made_again_from_the_parts_on_the_disk(nested):
     run, folder = nested
     run()
@@ -78,6 +80,7 @@ print(type(overload.library).__name__)
 """
 
 
+@pytest.mark.long
 def test_parts_of_the_disk_are_linked_and_never_run_where_they_stand(nested):
     """Code that runs from a part as it was lowered is many times slower than the whole that it is optimized in."""
     run, folder = nested
@@ -179,6 +182,7 @@ print(hashlib.sha256(rates.tobytes()).hexdigest()[:12], sum(sums.together.stats.
 """
 
 
+@pytest.mark.long
 def test_code_that_was_just_compiled_gives_the_bits_of_code_from_the_disk(tmp_path):
     script = tmp_path / "summed.py"
     script.write_text(SUMMED)
@@ -367,6 +371,7 @@ print(done, table.tolist())
 """
 
 
+@pytest.mark.long
 def test_what_is_compiled_apart_is_compiled_when_it_is_called_and_found_by_code_from_the_disk(tmp_path):
     (tmp_path / "apart.py").write_text(APART)
     places = {"ECUME_CACHE_DIR": str(tmp_path / "cache"), "PYTHONPATH": str(Path(_jit.__file__).parents[1])}

@@ -169,6 +169,7 @@ def test_a_whole_number_beyond_all_floats_is_refused() -> None:
 PREFIXED = sorted({prefix + name for name in NAMED for prefix in ("", *POWERS_OF_TEN)} - NOT_PREFIXED)
 
 
+@pytest.mark.long
 @settings(max_examples=400)
 @given(st.data())
 def test_a_product_of_prefixed_units_is_what_pint_makes_of_it(data: st.DataObject) -> None:

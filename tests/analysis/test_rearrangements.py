@@ -206,6 +206,7 @@ def test_swaps_of_borders_are_a_matter_of_the_plane():
         neighbor_swaps([frame_of([(0, 0), (1, 0)])])
 
 
+@pytest.mark.long
 @pytest.mark.compiled
 def test_the_t1_process_is_found_when_it_happens():
     gap, kappa = 0.03, 1e-3

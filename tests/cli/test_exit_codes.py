@@ -69,6 +69,7 @@ def command(*words: str, folder: Path) -> subprocess.CompletedProcess[str]:
     )
 
 
+@pytest.mark.long
 def test_a_process_ends_with_the_code_too(tmp_path: Path) -> None:
     (tmp_path / "bad.toml").write_text('model = "floating"\nduration = "3 kg"\nframe_every = 1\ntitel = 3\n')
     done = command("check", "bad.toml", folder=tmp_path)

@@ -67,6 +67,7 @@ def test_scenes_are_checked_without_the_compiler(runs: Path) -> None:
     assert imported(runs, *(("check", f"{name}.toml") for name in SHORT)) <= {"scipy"}
 
 
+@pytest.mark.long
 def test_runs_are_printed_listed_and_exported_without_scipy(runs: Path) -> None:
     export = "export", "cereal-bowl", "--to", "csv", "-o", str(runs / "frames")
     assert imported(runs, *(("info", name) for name in SHORT), ("list",), export) <= {"gsd"}
@@ -79,6 +80,7 @@ def test_runs_are_compared_without_the_compiler(runs: Path) -> None:
 FIGURES = {"cereal-bowl": "energies", "bouncing-particles": "energies", "t1": "gaps"}
 
 
+@pytest.mark.long
 def test_runs_of_few_particles_are_drawn_without_the_compiler(runs: Path) -> None:
     """Pictures of tanks are sums over all particles."""
     commands = [

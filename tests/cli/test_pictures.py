@@ -255,6 +255,7 @@ def test_plot_of_a_run_with_one_frame_reports_it_once(drawn: list[str], monkeypa
     assert done.stderr == "ecume: the run has a single frame, figures over time are omitted\n"
 
 
+@pytest.mark.long
 def test_plot_draws_the_named_figure_or_reports_why_not(drawn: list[str]) -> None:
     assert cli.invoke(app, ["plot", "bowl", "--what", "paths", "-o", "a.pdf"]).stdout == "wrote a.pdf\n"
     assert cli.invoke(app, ["plot", "bowl", "--what", "force-law"]).exit_code == 2

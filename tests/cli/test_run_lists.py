@@ -44,6 +44,7 @@ def made(out: str, *changes: str) -> Path:
     return Path(out)
 
 
+@pytest.mark.long
 @pytest.mark.compiled
 def test_a_folder_lists_its_runs_and_a_damaged_one_does_not_hide_the_others() -> None:
     made("runs/one"), made("runs/deep/two", "title=Other grains")
@@ -63,6 +64,7 @@ def test_a_folder_lists_its_runs_and_a_damaged_one_does_not_hide_the_others() ->
     assert cli.invoke(app, ["list", "nowhere"]).exit_code == 2
 
 
+@pytest.mark.long
 @pytest.mark.compiled
 def test_two_runs_of_one_scene_are_the_same_and_two_of_others_are_not() -> None:
     one, again = made("one"), made("again")
@@ -122,6 +124,7 @@ def test_json_of_a_sweep_is_of_its_status() -> None:
     assert "--json goes with --status" in refused.stderr
 
 
+@pytest.mark.long
 @pytest.mark.compiled
 def test_runs_of_other_particle_numbers_say_so() -> None:
     made("two")

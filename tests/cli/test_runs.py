@@ -155,6 +155,7 @@ def test_the_name_of_a_scene_or_of_the_folder_around_is_answered_with_the_runs()
         assert reported == f"ecume: {says}; there is {Path('runs/beads')}, {Path('runs/bowl')}\n"
 
 
+@pytest.mark.long
 @pytest.mark.compiled
 def test_a_bead_run_is_reported_exported_and_not_replaced() -> None:
     """All verbs on a run of the real model, for a few frames."""
@@ -329,6 +330,7 @@ def stop(view):
 """
 
 
+@pytest.mark.long
 @pytest.mark.compiled
 def test_a_run_with_a_named_law_and_an_action_is_resumed_with_their_files(tmp_path: Path) -> None:
     (tmp_path / "grains.toml").write_text(GRAINS)

@@ -32,6 +32,7 @@ GOOD = within("height", 1.0004, 1.0, 1e-3)
 BAD = below("speed", 2.0, 1.0)
 
 
+@pytest.mark.long
 def test_left_to_itself_it_lists_the_cases() -> None:
     done = cli.invoke(app, ["validate"])
     assert done.exit_code == 0
@@ -121,6 +122,7 @@ def test_an_unknown_case_ends_with_two_before_anything_runs(monkeypatch: pytest.
     assert cli.invoke(app, ["validate", "floating", "--all"]).exit_code == 2
 
 
+@pytest.mark.long
 def test_the_list_of_cases_waits_for_no_compiler() -> None:
     asked = "import sys; from ecume.cli import app; app(['validate'], standalone_mode=False); "
     tells = "print([name for name in ('numba', 'scipy', 'matplotlib') if name in sys.modules])"

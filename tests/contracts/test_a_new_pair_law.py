@@ -99,6 +99,7 @@ def test_a_new_law_holds_what_all_others_hold(copy):
     assert re.search(r"[2-9]\d passed", done.stdout), done.stdout
 
 
+@pytest.mark.long
 @pytest.mark.compiled
 def test_a_scene_sets_the_constants_of_a_new_law(copy):
     *found, refused, zero, negative, short, long, warned = copy.printed(SETTING, NUMBA_DISABLE_JIT="1")

@@ -4,8 +4,6 @@ refused for a physical reason. The page in the documentation says which.
 
 from __future__ import annotations
 
-import os
-
 import numpy as np
 import pytest
 from tests.contracts import float_options
@@ -17,9 +15,8 @@ from ecume.models.floating.options import CAPABILITIES
 from ecume.models.floating.time_integration.integration import forces_at
 from ecume.models.model import DONE
 
-PLAIN = os.environ.get("NUMBA_DISABLE_JIT") == "1"
 # Each combination is compiled by itself: as plain Python all of them take a minute.
-plain_only = pytest.mark.skipif(not PLAIN, reason="every pair is tried as plain Python")
+plain_only = pytest.mark.uncompiled
 WITHOUT_ENERGY = {"one-sided law", "flow", "active forces", "waves", "surfactant in a dish"}
 """Options whose forces have no potential."""
 DISHES = {"round dish", "square dish", "wall profile", "dish in motion", "surfactant in a dish"}

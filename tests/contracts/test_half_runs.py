@@ -7,7 +7,6 @@ happens between: collisions, arrivals, docking.
 
 import dataclasses
 import itertools
-import os
 
 import numpy as np
 import pytest
@@ -49,8 +48,7 @@ from ecume.scenes.tracers import (
 )
 from ecume.simulation import moments
 
-PLAIN = os.environ.get("NUMBA_DISABLE_JIT") == "1"
-plain_only = pytest.mark.skipif(not PLAIN, reason="each combination would be compiled by itself")
+plain_only = pytest.mark.uncompiled  # each combination would be compiled by itself
 pytestmark = [
     pytest.mark.filterwarnings("ignore:liu-quartic"),
     pytest.mark.filterwarnings("ignore::ecume.models.tracers.record.FlowWarning"),

@@ -6,7 +6,6 @@ file, or the scene is refused.
 
 import dataclasses
 import importlib
-import os
 import sys
 from functools import cache
 from pathlib import Path
@@ -38,7 +37,6 @@ from ecume.show.view.page import looks
 from ecume.show.view.scenery import STAGES
 from ecume.simulation import simulate
 
-PLAIN = os.environ.get("NUMBA_DISABLE_JIT") == "1"
 FITS = {"floating": True, "soft": False, "sph": True, "tracers": True}
 """Whether the steps of a model are quick as plain Python; all variants of the others are compiled for other tests, but
 those with laws of a user, which each process would compile for itself.
@@ -55,11 +53,10 @@ reference = importlib.import_module("scenes")
 sys.path.pop(0)
 
 
-def require_this_pass(model, path):
-    """Skip what the other pass runs."""
-    plain = FITS[model] or path.startswith("user_laws.")
-    if plain != PLAIN:
-        pytest.skip("runs plain" if plain else "runs compiled")
+def case(*names):
+    """A model and a key, and maybe a way, for the pass in which it takes less."""
+    plain = FITS[names[0]] or names[-1].startswith("user_laws.")
+    return pytest.param(*names, marks=pytest.mark.uncompiled if plain else pytest.mark.compiled)
 
 
 def keys_of(model):
@@ -148,9 +145,8 @@ def test_every_key_has_an_entry(model):
 
 
 @pytest.mark.sampled(6)
-@pytest.mark.parametrize(("model", "path"), [(model, path) for model in EFFECTS for path in EFFECTS[model].EFFECTS])
+@pytest.mark.parametrize(("model", "path"), [case(model, path) for model in EFFECTS for path in EFFECTS[model].EFFECTS])
 def test_changing_a_key_alone_shows(model, path, monkeypatch, tmp_path):
-    require_this_pass(model, path)
     scene, changed = both(model, path)
     shows = EFFECTS[model].EFFECTS[path].shows
     if shows == STOPS:
@@ -240,7 +236,7 @@ ELSEWHERE = {
 }
 """Keys that have no effect with particles given this way."""
 OTHERWISE = [
-    (model, way, path)
+    case(model, way, path)
     for model, ways in WAYS.items()
     for way in ways
     for path, effect in EFFECTS[model].EFFECTS.items()
@@ -251,7 +247,6 @@ OTHERWISE = [
 @pytest.mark.sampled(6)
 @pytest.mark.parametrize(("model", "way", "path"), OTHERWISE)
 def test_changing_a_key_alone_shows_whichever_way_particles_are_given(model, way, path):
-    require_this_pass(model, path)
     given = both(model, path)
     # The particles of both scenes are those of the first, so that only the key differs.
     scene = WAYS[model][way](given[0])

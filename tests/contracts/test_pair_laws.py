@@ -150,12 +150,13 @@ PLACES = [(0.0, 0.0), (3.1e-3, 0.4e-3), (-0.5e-3, 4.2e-3), (5.2e-3, 4.9e-3)]
 KINDS = [(1e-3, 1300.0), (1e-3, 200.0), (1.2e-3, 600.0), (0.9e-3, 1300.0)]
 SLOW = ("capillary", "pair-corrected")
 """Its tables of pairs take minutes as plain Python."""
+BOTH = [pair for pair in itertools.product(PAIR_LAWS, OPTIONS) if pair[0] == "capillary" or pair[1] == "friction"]
+"""Each option with one law and each law with one option: compiled, which takes long, and as plain Python."""
+UNCOMPILED = [pair for pair in itertools.product(PAIR_LAWS, OPTIONS) if PLAIN and pair not in BOTH]
 EVERY = [
-    (law, option)
-    for law, option in itertools.product(PAIR_LAWS, OPTIONS)
-    if (law, option) != SLOW and (PLAIN or law == "capillary" or option == "friction")
+    *(pair for pair in BOTH if pair != SLOW),
+    *(pytest.param(*pair, marks=pytest.mark.uncompiled) for pair in UNCOMPILED),
 ]
-"""As plain Python all of them; compiled, which takes long, each option with one law and each law with one option."""
 combined = pytest.mark.parametrize(
     ("name", "option"), [*EVERY, pytest.param(*SLOW, marks=[pytest.mark.compiled, pytest.mark.long])]
 )

@@ -55,6 +55,7 @@ def asked(law, contacts, **known):
     return law(*(known.get(name, getattr(contacts, name, None)) for name in inspect.signature(law).parameters))
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("name", SURFACES)
 def test_a_contact_yields_by_the_surface_that_was_asked_for(name):
     contacts = contacts_of(films={"surface": name})

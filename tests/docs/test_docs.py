@@ -105,7 +105,7 @@ def beside_a_run(tmp_path, monkeypatch):
     run(load_scene(scene), "bowl")
 
 
-@pytest.mark.sampled(2)
+@pytest.mark.long
 @pytest.mark.compiled
 @pytest.mark.usefixtures("beside_a_run")
 @pytest.mark.parametrize("page", [page for page in PAGES if blocks(page, "python")], ids=name_of)

@@ -47,6 +47,7 @@ def test_units_defaults_and_ranges_are_the_schema_s(makers):
     assert "| rad | 45 deg |" in text  # of the dish
 
 
+@pytest.mark.long
 def test_every_law_and_its_units_are_there(makers):
     pages = makers("functions").pages()
     output = "\n".join(text for name, text in pages.items() if "ecume.laws" in name)

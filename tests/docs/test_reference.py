@@ -55,6 +55,7 @@ def poor(field):
     return faults
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("model", SCENES)
 def test_every_key_has_a_meaning_and_an_effect(model):
     found = [f"{table.path}.{field.name}: {', '.join(poor(field))}" for table, field in keys(model) if poor(field)]

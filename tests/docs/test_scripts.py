@@ -91,6 +91,7 @@ def test_every_shell_script_is_known_and_can_be_read():
         assert f"scripts/{name}" in (ROOT / ".ci" / "run").read_text(encoding="utf-8")
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("name", sorted(name for name, words in SHELL.items() if words is not None))
 def test_a_shell_script_runs(name):
     if "environment.sh" in (ROOT / "scripts" / name).read_text(encoding="utf-8") and not (ROOT / ".venv").is_dir():

@@ -80,6 +80,7 @@ def test_a_solve_that_no_longer_improves_ends_where_it_is_acceptable():
     assert most < impulse_solvers.MOST_SWEEPS
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     "seed", [0, *(pytest.param(each, marks=[pytest.mark.compiled, pytest.mark.long]) for each in (1, 2, 3))]
 )
@@ -175,6 +176,7 @@ def test_tangential_impulses_are_recalled_for_the_pairs_they_belong_to():
     assert impulse_solvers.solve(FrictionalContacts(contacts, rubbing), motion, Tolerance(1e-8, 0.0)) < 0.2 * first
 
 
+@pytest.mark.long
 def test_rough_islands_are_solved_as_if_there_were_no_others():
     motions, places, size = [], [], 19
     for seed in range(4):

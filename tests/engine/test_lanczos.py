@@ -87,6 +87,7 @@ def test_the_root_of_a_tridiagonal_matrix():
     assert column == pytest.approx((vectors * np.sqrt(values)) @ vectors[0], rel=1e-12)
 
 
+@pytest.mark.long
 def test_a_matrix_that_is_known_by_its_products_has_the_same_root():
     matrix, vector = definite(40, 8), np.random.default_rng(9).normal(size=40)
     expected = np.empty(40)

@@ -26,6 +26,7 @@ def corner_mesh():
     return Mesh(np.array(faces))
 
 
+@pytest.mark.long
 def test_the_nearest_of_random_triangles_is_that_of_a_search_through_all():
     dice = np.random.default_rng(3)
     triangles = dice.uniform(-1.0, 1.0, (60, 1, 3)) + 0.3 * dice.normal(size=(60, 3, 3))
@@ -91,6 +92,7 @@ def test_pieces_of_a_surface_have_its_area_and_integrate_to_nothing():
     assert np.abs(mesh.nearest(rim[::7])[0]).max() < 1e-12
 
 
+@pytest.mark.long
 def test_shells_that_overlap_are_seen():
     both = np.concatenate([ball(0.3, [-0.15, 0.0, 0.0]), ball(0.3, [0.15, 0.0, 0.0])])
     apart = np.concatenate([ball(0.3, [-0.4, 0.0, 0.0]), ball(0.3, [0.4, 0.0, 0.0])])
@@ -145,6 +147,7 @@ def test_shells_of_any_sense_are_united(inside_out, apart):
     assert mesh.inside(np.array([[0.5 * apart if apart < 2.0 else 0.0, 0.05, 0.02]])).all()
 
 
+@pytest.mark.long
 def test_a_shell_of_the_other_sense_inside_is_a_cavity():
     outer, inner, core = (ball_mesh([0.1, 0.0, 0.0], radius) for radius in (1.0, 0.6, 0.3))
     for turn in (1, -1):

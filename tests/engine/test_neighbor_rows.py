@@ -28,6 +28,7 @@ def by_tree(position, centers, reach, passive=NOBODY):
 MANY = FEW + 100
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("dimension", "count"),
     [(2, 300), (3, 300), (2, MANY), pytest.param(3, MANY, marks=pytest.mark.compiled)],
@@ -105,6 +106,7 @@ def test_no_particles_have_no_neighbors():
     assert lists.counts.tolist() == [0]
 
 
+@pytest.mark.long
 def test_a_list_is_the_same_for_any_number_of_threads_and_lies_where_the_last_one_lay():
     position = np.random.default_rng(10).uniform(0.0, 1.0, (2, FEW + 500))
     before = use_threads(None)

@@ -75,7 +75,7 @@ def gap_by_search(bodies, places, angles):
 BODIES = {"ellipse": (2.0, 0.7), "slender": (3.0, 0.2), "disc": (1.1, 1.1), "square": square(), "needle": needle()}
 
 
-@pytest.mark.sampled(3)
+@pytest.mark.long
 @pytest.mark.parametrize("one", BODIES)
 @pytest.mark.parametrize("other", BODIES)
 def test_the_gap_is_the_least_distance_of_any_two_points(one, other):

@@ -60,6 +60,7 @@ def test_couples_keep_both_momenta_and_add_no_energy(seed):
     assert energy(mass, motion) < before
 
 
+@pytest.mark.long
 def test_without_a_coefficient_the_solution_is_that_of_friction():
     position, _, motion = shaken_raft()
     plain = motion._replace(velocity=motion.velocity.copy(), spin=motion.spin.copy())

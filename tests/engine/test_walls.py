@@ -389,6 +389,7 @@ def test_an_intersection_of_half_planes_is_open_or_has_its_area(given_lines):
     assert np.array(surfaces.bounds(found)) == pytest.approx(np.array([hull.min_bound, hull.max_bound]), abs=1e-6)
 
 
+@pytest.mark.long
 @given(st.lists(st.tuples(st.floats(0.0, 6.28), st.floats(0.3, 2.0)), min_size=1, max_size=6), st.floats(0.5, 2.0))
 @settings(max_examples=60, deadline=None)
 def test_a_circle_cut_by_half_planes_has_its_area(given_lines, radius):

@@ -202,7 +202,7 @@ def test_every_example_has_its_number_and_its_clip():
     assert sum(path.stat().st_size for path in clips) < 6_000_000
 
 
-@pytest.mark.sampled(3)
+@pytest.mark.long
 @pytest.mark.compiled
 @pytest.mark.parametrize(
     "path", [pytest.param(path, marks=[pytest.mark.long] * (path.stem in LONG), id=path.stem) for path in SCENES]

@@ -16,6 +16,7 @@ def notebooks(monkeypatch):
     return importlib.import_module("notebooks")
 
 
+@pytest.mark.long
 @pytest.mark.compiled
 @pytest.mark.parametrize("path", sorted(FOLDER.glob("*.ipynb")), ids=lambda path: path.stem)
 def test_a_notebook_runs_and_shows_its_run(path, tmp_path, monkeypatch, notebooks):

@@ -54,6 +54,7 @@ def moving(count=12):
     )
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("dark", [False, True])
 def test_discs_are_found_where_they_are_and_keep_their_names(tmp_path, dark):
     path = spots(tmp_path / "discs.mp4", moving(), 6.0, dark=dark)
@@ -107,6 +108,7 @@ def test_what_is_no_film_is_refused(tmp_path):
         film_tracks(tmp_path / "absent.mp4", Search(12.0))
 
 
+@pytest.mark.long
 @pytest.mark.compiled
 def test_a_film_of_a_known_surface_tension_gives_it_back(tmp_path):
     """The film is the movie that ecume makes; only the size of a pixel is known from it."""

@@ -88,6 +88,7 @@ def test_of_creeping_spheres_the_settling_speed_is_known_and_not_viscosity_and_d
     assert "determine 1 of 2 combinations" in found.remarks[0]
 
 
+@pytest.mark.long
 @pytest.mark.compiled
 def test_the_force_is_found_that_pulls_soft_spheres_apart():
     found = ecume.fit(tracks_of(pressed(), 1e-6), pressed(force=2e-6), ["force"], start="scene")

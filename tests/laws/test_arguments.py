@@ -23,7 +23,7 @@ NUMBERS = [
 ]
 
 
-@pytest.mark.sampled(3)
+@pytest.mark.long
 @pytest.mark.parametrize("law", NUMBERS, ids=lambda law: law.__name__)
 def test_whatever_a_law_of_pure_numbers_gets_it_answers_with_numbers_or_one_message(law):
     names = list(inspect.signature(law).parameters)

@@ -96,6 +96,7 @@ def test_an_action_that_changes_nothing_changes_no_bit(scene: Scenes) -> None:
     assert plain[-1].arrays["position"].tobytes() == watched[-1].arrays["position"].tobytes()
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("after", [3, 49, 123, 331])
 def test_a_run_that_was_stopped_ends_with_the_same_bits(after: int, tmp_path: Path, scene: Scenes) -> None:
     def refuse(progress: Progress) -> None:

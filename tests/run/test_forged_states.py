@@ -96,6 +96,7 @@ def test_no_forged_checkpoint_surprises(killed: RunDirectory, tmp_path: Path) ->
     assert refused > 5
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("value", [math.nan, math.inf])
 def test_a_state_that_is_not_finite_is_set_aside(killed: RunDirectory, value: float) -> None:
     forge(killed, "state.position", filled(value))

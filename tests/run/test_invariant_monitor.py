@@ -152,6 +152,7 @@ def test_a_policy_that_there_is_not_is_refused_in_a_scene_too() -> None:
         from_plain({"model": "tracers", "duration": 1.0, "frame_every": 1.0, "on_violation": "panic"})
 
 
+@pytest.mark.long
 @pytest.mark.usefixtures("hot")
 def test_a_run_that_was_stopped_judges_like_one_that_was_not(tmp_path: Path, scene: Scenes) -> None:
     def ask(progress: Any) -> None:

@@ -159,6 +159,7 @@ def test_whoever_reads_while_a_run_writes_sees_whole_frames_only(tmp_path: Path,
     assert one.end() == 0
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("size", [100, 3_000, 20_000, 30_000, 40_000, 58_000])
 def test_a_full_disk_is_one_line_and_keeps_every_committed_frame(
     tmp_path: Path, scene: Scenes, results: Results, size: int

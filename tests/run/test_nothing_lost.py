@@ -103,6 +103,7 @@ def resumed_or_repaired(home: Path, what: str) -> None:
         resume(home)
 
 
+@pytest.mark.long
 def test_each_damage_is_named_and_computed_again_or_refused(made: RunDirectory, tmp_path: Path) -> None:
     truth, chosen = results_of(made.path), random.Random(1)
     for _ in range(int(os.environ.get("ECUME_DAMAGES", DAMAGES))):
@@ -124,6 +125,7 @@ def test_damages_reach_each_file_that_a_run_can_have(made: RunDirectory) -> None
     assert {part.name for part in (*made.parts(), made.lock)} == there
 
 
+@pytest.mark.long
 def test_each_file_that_is_removed_is_named(made: RunDirectory, tmp_path: Path) -> None:
     """But for the lock and what was exported, which a run can do without."""
     for path in files_of(made.path):
@@ -137,6 +139,7 @@ def test_each_file_that_is_removed_is_named(made: RunDirectory, tmp_path: Path) 
         shutil.rmtree(tmp_path / "copy")
 
 
+@pytest.mark.long
 def test_each_file_of_another_run_is_named(made: RunDirectory, tmp_path: Path, scene: Scenes) -> None:
     """Another seed gives files of the same names and sizes."""
     run(scene(**SAMPLED | {"seed": 8}), tmp_path / "other", options=OFTEN)
@@ -160,6 +163,7 @@ def test_each_file_of_another_run_is_named(made: RunDirectory, tmp_path: Path, s
         shutil.rmtree(tmp_path / "copy")
 
 
+@pytest.mark.long
 def test_frames_of_another_run_in_one_file_are_damaged(made: RunDirectory, tmp_path: Path, scene: Scenes) -> None:
     """The data of a later frame, with its checksum."""
     run(scene(**SAMPLED | {"seed": 8}), tmp_path / "other", options=OFTEN)
@@ -183,6 +187,7 @@ def test_samples_that_were_changed_are_not_read(made: RunDirectory, tmp_path: Pa
         export(made.path, "samples", tmp_path / "out.csv")
 
 
+@pytest.mark.long
 def test_a_run_of_an_earlier_version_is_read_and_is_not_said_to_be_protected(made: RunDirectory) -> None:
     """Without an identity, and without checksums of samples."""
     rows = len(open_trajectory(made.path).samples)
@@ -200,6 +205,7 @@ def test_a_run_of_an_earlier_version_is_read_and_is_not_said_to_be_protected(mad
     assert identity(manifest_of(made)) not in made.log.read_text()
 
 
+@pytest.mark.long
 def test_a_completed_run_of_an_earlier_version_computes_damaged_samples_again(made: RunDirectory) -> None:
     truth = made.samples.read_bytes()
     for path in (made.done, made.watch, made.status, made.log, made.scalars, made.sums, made.crate):
@@ -215,12 +221,14 @@ def test_a_completed_run_of_an_earlier_version_computes_damaged_samples_again(ma
     assert verify(made.path).sound
 
 
+@pytest.mark.long
 def test_a_checksum_under_another_name_is_damage(made: RunDirectory) -> None:
     """It was taken for a file of an earlier version, which has none."""
     made.crate.write_text(made.crate.read_text().replace('"crc32"', '"crc72"'))
     assert any("ro-crate" in fault for fault in verify(made.path).faults)
 
 
+@pytest.mark.long
 def test_a_table_beside_no_table_is_compared(made: RunDirectory, tmp_path: Path, scene: Scenes) -> None:
     run(scene(duration=0.05, seed=8), tmp_path / "other")
     found = {change.name: (change.first, change.second) for change in compare(made.path, tmp_path / "other").scene}
@@ -287,6 +295,7 @@ def test_what_no_digest_covers_is_named() -> None:
     assert "uncovered" not in entries([uses_an_array])[0]
 
 
+@pytest.mark.long
 def test_one_trajectory_is_read_by_threads(made: RunDirectory) -> None:
     with open_trajectory(made.path) as trajectory:
         truth = [frame.arrays["position"].tobytes() for frame in trajectory]
@@ -387,6 +396,7 @@ def test_what_acts_on_a_terminal_is_removed() -> None:
     assert cleaned(evil) == "]0;x31mabc\N{REPLACEMENT CHARACTER}"
 
 
+@pytest.mark.long
 def test_info_survives_a_clock_that_was_set(made: RunDirectory, monkeypatch: pytest.MonkeyPatch) -> None:
     from ecume.run import lock
 
@@ -435,6 +445,7 @@ def test_a_simulation_that_needs_threads_is_refused_after_a_fork(
         next(simulate(load_scene(f"{head}count = {_jit.SEVERAL}\n{floats}\n")))
 
 
+@pytest.mark.long
 def test_no_export_replaces_a_file_of_a_run(made: RunDirectory, tmp_path: Path) -> None:
     """Nor one of another run, nor through a link; under any other name it is written, twice."""
     files = [path for path in made.path.rglob("*") if path.is_file()]

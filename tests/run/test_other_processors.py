@@ -154,6 +154,7 @@ def test_other_bits_of_the_same_processor_and_versions_are_a_fault(
     np.testing.assert_array_equal(before, positions(home.path))
 
 
+@pytest.mark.long
 def test_each_frame_is_compared_with_the_processor_that_wrote_it(
     tmp_path: Path, scene: Scenes, processor: Processor
 ) -> None:

@@ -128,6 +128,7 @@ def test_a_run_that_has_just_begun_is_one_without_frames(tmp_path: Path, scene: 
         assert trajectory.scene == scene()
 
 
+@pytest.mark.long
 def test_two_checkpoints_are_kept(tmp_path: Path, scene: Scenes) -> None:
     run(scene(), tmp_path / "run", options=RunOptions(checkpoint_every=0.0))
     steps = [int(path.stem) for path in checkpoints.newest_first(RunDirectory(tmp_path / "run"))]

@@ -148,6 +148,7 @@ def test_the_table_is_a_data_frame(tmp_path: Path, scene: Scenes, library: str) 
 OUTPUTS = [{"every": 0.0037}, {"every": 0.0037, "block": 9}, {"every_steps": 3, "block": 1000}]
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("samples", OUTPUTS)
 def test_a_run_stopped_often_has_the_samples_of_one_that_was_not(
     tmp_path: Path, scene: Scenes, results: Callable[..., Any], samples: dict[str, Any]

@@ -132,6 +132,7 @@ def test_a_number_crosses_a_bound_from_one_frame_to_the_next(
     assert ended(condition, values) == frames
 
 
+@pytest.mark.long
 @given(st.integers(0, 1000), st.sampled_from([10.0, 30.0, 100.0]))
 def test_a_series_is_stationary_only_after_its_transient(seed: int, decay: float) -> None:
     """A transient of 20 times the noise, and noise about 1 afterwards."""

@@ -60,6 +60,7 @@ def test_a_run_that_is_not_damaged_is_sound(made):
     assert {path: path.stat().st_mtime_ns for path in made.path.rglob("*")} == before
 
 
+@pytest.mark.long
 def test_each_changed_byte_is_named(made):
     chance = random.Random(21)
     for path in sorted(path for path in made.path.rglob("*") if path.is_file()):

@@ -249,7 +249,7 @@ def fastest(action):
     return min(seconds(action) for _ in range(3))
 
 
-@pytest.mark.sampled(4)
+@pytest.mark.long
 @pytest.mark.parametrize("name", READERS)
 def test_time_and_memory_per_byte_stay_flat(tmp_path, name):
     """Four times the input takes about four times the time and the memory, not sixteen times."""

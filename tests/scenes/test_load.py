@@ -321,6 +321,7 @@ def faults_or_none(file: Path) -> tuple[Fault, ...]:
     return ()
 
 
+@pytest.mark.long
 def test_corrupted_scenes_give_scenes_or_faults_with_places(tmp_path: Path) -> None:
     chance = random.Random(2)
     file = tmp_path / "scene.toml"

@@ -88,6 +88,7 @@ def keys_of(kind: type) -> list[str]:
     return [field.name for field in dataclasses.fields(kind)]
 
 
+@pytest.mark.long
 @settings(max_examples=150)
 @given(st.sampled_from([*keys_of(FloatingScene), "other"]), st.sampled_from([*keys_of(FloatSpec), "other"]), anything)
 def test_whatever_stands_at_a_key_gives_a_scene_or_faults(key: str, inner: str, value: object) -> None:

@@ -306,6 +306,7 @@ def test_sixty_floats_take_ten_thousand_steps_a_second(page):
     assert spent(page, 20_000) - spent(page, 1) < 2.0
 
 
+@pytest.mark.long
 def test_a_page_above_the_largest_size_is_not_written(few, tmp_path):
     with pytest.raises(BadInput, match=r"the page has 0\.\d\d MB; expected --max-size of that or more"):
         save_alone(scene_of(), tmp_path / "bowl.html", 0.05)

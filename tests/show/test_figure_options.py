@@ -124,7 +124,7 @@ def require_data_and_two_runs(one: Figure, other: Figure, tmp_path: Path) -> Non
     assert save(both, tmp_path / "both.pdf").read_bytes().startswith(b"%PDF")
 
 
-@pytest.mark.sampled(3)
+@pytest.mark.long
 @pytest.mark.parametrize("model", FIGURES)
 @pytest.mark.parametrize(("form", "start"), [("svg", b"<?xml"), ("pdf", b"%PDF"), ("png", b"\x89PNG")])
 def test_all_figures_of_a_run_go_to_a_folder_in_a_format(model: str, form: str, start: bytes, tmp_path: Path) -> None:

@@ -70,6 +70,7 @@ def test_an_array_that_begins_within_another_is_refused(first):
         holders_of([("part", whole[first:]), ("whole", whole)])
 
 
+@pytest.mark.long
 @pytest.mark.compiled
 @with_node
 @pytest.mark.parametrize(
@@ -159,5 +160,6 @@ def test_packings_are_refused():
         alone(load_scene((folder() / "sheared-packing.toml").read_text(encoding="utf-8")))
 
 
+@pytest.mark.long
 def test_the_page_is_small(tmp_path):
     assert save_alone(template(), tmp_path / "t1.html", 0.5) < 200_000

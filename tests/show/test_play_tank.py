@@ -90,6 +90,7 @@ def test_a_push_is_the_motion_of_the_side(tank):
     assert tank.liquid().position[0].min() > tank.pushed - 0.01
 
 
+@pytest.mark.long
 def test_liquid_that_is_pressed_together_is_not_thrown(tank):
     """The scene expects 4 m/s. With steps of 0.45 instead of 0.35 rho/(zeta k^2) of the damping it is 12 m/s."""
     tank.open_gate()
@@ -197,6 +198,7 @@ def test_a_basin_is_no_gate(tank):
         tank.open_gate()
 
 
+@pytest.mark.long
 def test_a_gate_that_closes_pushes_aside_who_stands_there_and_holds_again(tank):
     with pytest.raises(BadInput, match="no gate to close"):
         tank.close_gate()

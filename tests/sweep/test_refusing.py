@@ -96,6 +96,7 @@ def test_arguments_of_another_kind_are_refused_before_anything_is_run(tmp_path, 
     assert says in str(refused.value)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("text", ["last kinetic_energy", "final", "first top", "final kinetic energy now"])
 def test_a_measure_that_there_is_not_is_refused(file, tmp_path, text):
     sweep(file, tmp_path / "out", ALONE)

@@ -21,6 +21,7 @@ TWO = TWO.replace("[fixed]\n", STOKES)
 LED = 'engine = "lammps"\n'
 
 
+@pytest.mark.long
 @in_lammps
 def test_points_run_in_lammps_and_are_continued(file, tmp_path):
     file.write_text(LED + TWO)

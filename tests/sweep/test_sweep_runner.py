@@ -52,6 +52,7 @@ def test_only_what_is_missing_is_run(file, tmp_path):
     assert [row["seed"] for row in open_sweep(tmp_path / "out").table()] == [2, 3, 4, 5, 6]
 
 
+@pytest.mark.long
 def test_each_run_ends_by_the_condition_of_the_sweep(file, tmp_path):
     """Other runs are in other folders, and are kept."""
     sweep(file, tmp_path / "out", ALONE)
@@ -269,6 +270,7 @@ def test_repeats_have_seeds_of_their_own(file, tmp_path):
     assert len({row["final kinetic_energy"] for row in rows}) == 3
 
 
+@pytest.mark.long
 def test_the_command_reports_how_it_ends(file, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     runner = CliRunner()

@@ -115,6 +115,7 @@ def test_measures_are_functions_too_and_are_kept(file, tmp_path, capsys):
 EDGES = np.array([0.0, 1.0])
 
 
+@pytest.mark.long
 def test_a_number_is_measured_again_where_what_its_function_uses_has_changed(file, tmp_path):
     sweep(file, tmp_path / "out", ALONE)
     found = open_sweep(tmp_path / "out")
@@ -151,6 +152,7 @@ DAMAGES = 25
 """By default; `ECUME_DAMAGES=1000` tries as many."""
 
 
+@pytest.mark.long
 def test_each_damage_to_a_file_of_a_sweep_is_named_or_made_again(file, tmp_path):
     """Four in five to files beside the runs; no table has another number, before or after the sweep is issued again."""
     sweep(file, tmp_path / "out", ALONE)
@@ -174,6 +176,7 @@ def test_each_damage_to_a_file_of_a_sweep_is_named_or_made_again(file, tmp_path)
         shutil.rmtree(home)
 
 
+@pytest.mark.long
 def test_each_file_of_another_sweep_is_named_or_made_again(file, tmp_path):
     """Of a sweep of the same points with another duration."""
     sweep(file, tmp_path / "out", ALONE)

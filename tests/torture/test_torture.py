@@ -47,6 +47,7 @@ LONG = {"R13 signals", "R15 sweeps", "R18 caches"}
 """Take seconds each."""
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("name", [pytest.param(name, marks=[pytest.mark.long] * (name in LONG)) for name in BRIEFLY])
 def test_everything_that_is_tried_is_survived(name, tmp_path):
     outcome = TRIALS[name].run(BRIEFLY[name], tmp_path)

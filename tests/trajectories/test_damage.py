@@ -22,6 +22,7 @@ Frames = Callable[..., list[Frame]]
 Recorded = Callable[..., Path]
 
 
+@pytest.mark.long
 def test_whole_frames_of_a_file_without_its_end_are_all_read(recorded: Recorded, frames: Frames) -> None:
     chance = random.Random(2)
     path, written = recorded(150) / "0000.gsd", frames(150)

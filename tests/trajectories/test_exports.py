@@ -171,6 +171,7 @@ def test_an_unknown_format_is_refused_with_the_known_ones(recorded: Recorded, tm
         export(recorded(1).parent, "xlsx", tmp_path / "bowl.xlsx")
 
 
+@pytest.mark.long
 @pytest.mark.skipif(os.name == "nt", reason="Windows knows no limit on the size of a file")
 @pytest.mark.parametrize("kind", [kind for kind in EXPORTS if kind != "samples"])
 @pytest.mark.parametrize("size", [0, 3_000, 9_000])

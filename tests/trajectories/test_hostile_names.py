@@ -104,6 +104,7 @@ def test_text_that_a_spreadsheet_would_evaluate_begins_with_an_apostrophe() -> N
     assert cell("-1+cmd|' /C calc'!A0") == "'-1+cmd|' /C calc'!A0"
 
 
+@pytest.mark.long
 def test_all_tables_are_written_with_this_protection() -> None:
     """Names in tables of sweeps and figures come from scenes, which may be anyone's."""
     calls = {

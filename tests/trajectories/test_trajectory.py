@@ -143,6 +143,7 @@ def test_the_readers_of_hoomd_see_the_names_of_the_species(frames: Frames, tmp_p
     assert Trajectory(tmp_path).species == tuple(names)
 
 
+@pytest.mark.long
 def test_a_recorder_goes_on_where_another_ended(recorded: Recorded, frames: Frames, tmp_path: Path) -> None:
     folder = recorded(70)
     for number, frame in enumerate(frames(70)):
@@ -229,6 +230,7 @@ for line in sys.stdin:
 """
 
 
+@pytest.mark.long
 @pytest.mark.skipif(os.name == "nt", reason="Windows has no fork")
 def test_no_committed_frame_is_lost_when_the_writer_is_killed(tmp_path: Path) -> None:
     chance = random.Random(1)

@@ -56,6 +56,7 @@ def test_a_wheel_holds_all_that_the_cases_read(tmp_path):
     assert {f"ecume_validation/{path.relative_to(HOME).as_posix()}" for path in needed} <= packed
 
 
+@pytest.mark.long
 def test_every_published_number_of_floating_spheres_is_met_within_its_digits():
     rows = CASES["floating"].rows()
     assert len(rows) == 302 + 12 + 159 + 3
@@ -75,6 +76,7 @@ def test_floats_in_front_of_a_barrier_are_as_in_closed_form():
     assert not missed(rows)
 
 
+@pytest.mark.long
 @pytest.mark.compiled
 def test_two_floats_meet_when_the_equation_of_motion_says_so():
     rows = CASES["meeting"].rows()

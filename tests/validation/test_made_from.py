@@ -110,6 +110,7 @@ def test_a_message_of_an_error_is_words(package):
     assert of_settling(package) == with_it
 
 
+@pytest.mark.long
 def test_all_files_that_are_reached_count_and_no_others(package):
     before, reached = of_settling(package), files_of(modules_of(SETTLING.module, SETTLING.name, package), package)
     for path in package.rglob("*.py"):
@@ -132,7 +133,7 @@ print(*(name for name in sys.modules if name.startswith("ecume")))
 """
 
 
-@pytest.mark.sampled(3)
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("name", "scene"),
     [

@@ -19,18 +19,20 @@ def test_every_figure_names_a_paper_of_the_bibliography():
     assert all(record.paper in bibliography() for record in REPRODUCED.values())
 
 
+@pytest.mark.long
 def test_the_list_names_every_figure():
     done = ecume("reproduce")
     assert all(name in done.stdout for name in REPRODUCED)
 
 
+@pytest.mark.long
 def test_an_unknown_figure_is_refused():
     done = ecume("reproduce", "t1-curse")
     assert done.returncode == 2
     assert "did you mean t1-course?" in done.stderr
 
 
-@pytest.mark.sampled(4)
+@pytest.mark.long
 @pytest.mark.compiled
 @pytest.mark.parametrize("name", REPRODUCED)
 def test_a_figure_comes_with_its_data_and_its_command(name, tmp_path):

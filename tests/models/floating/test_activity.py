@@ -1,7 +1,6 @@
 """Active floats: displacements, rotation and work."""
 
 import math
-import os
 
 import numpy as np
 import pytest
@@ -15,7 +14,7 @@ from tests.models import begun
 from tests.models.floating.bowls import WATER, scene_of
 
 # `ecume validate activity` runs compiled code; each combination of parts is compiled by itself.
-pytestmark = pytest.mark.skipif(os.environ.get("NUMBA_DISABLE_JIT") != "1", reason="tried as plain Python")
+pytestmark = pytest.mark.uncompiled
 
 FLOATING = MODELS["floating"]
 RADIUS = 1e-5

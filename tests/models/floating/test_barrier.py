@@ -104,6 +104,7 @@ def test_the_work_of_the_barrier_is_what_drag_dissipates_and_a_collision_leaves(
     assert last.numbers["kinetic_energy"] == pytest.approx(2.0 * mass * SPEED**2, rel=1e-9)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("integrator", [pytest.param("velocity-verlet", marks=PLAIN), "overdamped"])
 @pytest.mark.parametrize(("angle", "law", "image"), [(0.8, "meniscus", "none"), (2.2, "profile", "fixed-angle")])
 def test_the_energy_minus_the_work_of_a_barrier_with_a_meniscus_never_rises(angle, law, image, integrator):
@@ -200,6 +201,7 @@ def test_two_floats_stop_a_wall_that_closes_where_they_fill_it():
     assert not np.array_equal(before, after)
 
 
+@pytest.mark.long
 def test_a_barrier_follows_its_table_and_stops_where_it_is_told():
     table = {"velocity": None, "start": 0.0, "times": [0.1, 0.2, 0.4], "positions": [0.0, 0.01, 0.005]}
     scene = trough([[0.01, 0.0]], barrier=table, duration=0.5, frame_every=0.05)
@@ -210,6 +212,7 @@ def test_a_barrier_follows_its_table_and_stops_where_it_is_told():
     assert [frame.numbers["barrier_position"] for frame in simulate(backward)][1:] == pytest.approx([0.001, 0.0, 0.0])
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("integrator", ["overdamped", "velocity-verlet"])
 def test_a_packed_raft_stops_the_barrier_before_it_is_squeezed(integrator):
     """A row of floats between barrier and wall has no room after a known displacement."""
@@ -232,6 +235,7 @@ def test_a_barrier_stops_at_the_pressure_that_a_scene_gives():
         assert last.numbers["barrier_stopped"] == stops
 
 
+@pytest.mark.long
 def test_a_raft_that_is_stopped_keeps_the_energy_that_floats_at_rest_have():
     row = [[0.0195 - RADIUS - 2.0 * RADIUS * k, 0.0] for k in range(6)]
     scene = trough(row, barrier={"start": 0.0265}, duration=0.4, frame_every=0.2, integrator="velocity-verlet")
@@ -321,6 +325,7 @@ def drawn(seed):
     )  # fmt: skip
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("seed", [pytest.param(0, marks=PLAIN), 1, pytest.param(2, marks=PLAIN)])
 def test_random_rafts_keep_their_budget_and_stay_between_the_walls(seed):
     scene = drawn(seed)

@@ -2,7 +2,6 @@
 
 import itertools
 import math
-import os
 
 import numpy as np
 import pytest
@@ -15,7 +14,7 @@ from tests.models import begun
 from tests.models.floating.bowls import scene_of
 
 # The functions are those of other runs; each combination of parts is compiled by itself.
-pytestmark = pytest.mark.skipif(os.environ.get("NUMBA_DISABLE_JIT") != "1", reason="tried as plain Python")
+pytestmark = pytest.mark.uncompiled
 
 FLOATING = MODELS["floating"]
 LIQUID = '[liquid]\ndensity = 1000.0\nviscosity = "20 mPa*s"\nsurface_tension = "72.8 mN/m"\n'

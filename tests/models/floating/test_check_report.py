@@ -273,6 +273,7 @@ def test_fast_floats_are_told_what_their_inertia_lacks():
         assert "added mass" not in report({"liquid": milk, "particles": [CEREAL], **change})
 
 
+@pytest.mark.long
 def test_two_floats_meet_as_fast_as_energy_and_drag_allow():
     """Runs with and without much drag: the speed at contact is below the bound, and above half of it."""
     for viscosity in (1e-3, 0.1):

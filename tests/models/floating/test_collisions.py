@@ -115,6 +115,7 @@ def test_without_contacts_floats_pass_through_each_other():
     assert after.arrays["position"][0, 0] > after.arrays["position"][1, 0]
 
 
+@pytest.mark.long
 @pytest.mark.compiled
 def test_momentum_is_conserved_to_1e_12_over_a_run_with_many_collisions():
     floats = (

@@ -1,7 +1,6 @@
 """Induced and permanent moments in fields that oscillate: forces, energy, work, bits, and what is refused."""
 
 import math
-import os
 
 import numpy as np
 import pytest
@@ -13,7 +12,7 @@ from ecume.models.floating.time_integration.integration import forces_at
 from tests.models import begun
 from tests.models.floating.bowls import WATER, scene_of
 
-pytestmark = pytest.mark.skipif(os.environ.get("NUMBA_DISABLE_JIT") != "1", reason="tried as plain Python")
+pytestmark = pytest.mark.uncompiled
 
 FLOATING = MODELS["floating"]
 RADIUS = 4e-4

@@ -24,7 +24,7 @@ from tests.models.floating.bowls import WATER, scene_of
 
 FLOATING = MODELS["floating"]
 PLAIN = os.environ.get("NUMBA_DISABLE_JIT") == "1"
-plain = pytest.mark.skipif(not PLAIN, reason="tried as plain Python")
+plain = pytest.mark.uncompiled
 
 
 @pytest.fixture
@@ -91,6 +91,7 @@ def after(scene, steps, *, pauses=1):
     return parameters, state, workspace
 
 
+@pytest.mark.long
 @plain
 def test_a_raft_that_is_pressed_together_moves_as_with_the_matrix(fine, few_are_many):
     flow = "[flow]\nextension_rate = 0.05\nrotation_rate = 0.02\n"

@@ -21,6 +21,7 @@ def gaps_of_two(around, duration, every=0.03):
     return np.hypot(*apart.T) - 2.0
 
 
+@pytest.mark.long
 def test_monte_carlo_finds_two_discs_where_there_is_room():
     edges = np.array([0.0, 0.2, 0.9])
     found = gap_counts(monte_carlo(2, SIDE, 20_000, 1), SIDE, edges)

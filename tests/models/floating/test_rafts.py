@@ -72,6 +72,7 @@ def test_floats_that_outgrow_their_workspace_get_a_larger_one_and_the_same_bits(
     assert digest(state) == end_of(scene)
 
 
+@pytest.mark.long
 @pytest.mark.compiled
 def test_contacts_of_a_settled_raft_carry_the_pull_and_nothing_moves():
     scene = bowl(19, radius="1.2 cm", duration=120.0, frame_every=10.0)

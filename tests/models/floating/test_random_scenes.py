@@ -43,6 +43,7 @@ def test_a_random_scene_with_further_options_runs_to_its_end(seed):
     assert outcome(seed, 12) == "done"
 
 
+@pytest.mark.long
 @PLAIN
 @pytest.mark.parametrize(("share", "reported"), [(1e-7, False), (1e-4, True)])
 def test_energy_of_far_quadrupoles_may_rise_by_rounding_only(share, reported):
@@ -73,6 +74,7 @@ DRIFTING = {
 PROPELLED = "noise and propulsion"
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("name", [pytest.param(name, marks=[PLAIN] * (name == PROPELLED)) for name in DRIFTING])
 def test_floats_that_something_carries_reach_the_end(name):
     body, duration = DRIFTING[name]

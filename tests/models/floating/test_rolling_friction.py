@@ -47,6 +47,7 @@ def holding(bend):
     return holding_rolling_friction(bend, *pulls)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("bend", [1.3, 2.0, 2.8])
 def test_a_bent_chain_holds_above_the_coefficient_of_its_lever_and_closes_below(bend):
     *_, below = simulate(chain(bend, rolling=0.99 * holding(bend)))
@@ -55,6 +56,7 @@ def test_a_bent_chain_holds_above_the_coefficient_of_its_lever_and_closes_below(
     assert bend_of(above) == pytest.approx(bend, abs=1e-7)
 
 
+@pytest.mark.long
 def test_rolling_friction_holds_no_chain_that_slides():
     limit = 0.5 * holding(2.0)
     *_, slides = simulate(chain(2.0, friction=0.97 * limit, rolling=3.0))
@@ -104,6 +106,7 @@ def test_colliding_floats_gain_no_energy_and_keep_their_angular_momentum(seed):
     assert spin_momentum(frames[-1]) == pytest.approx(spin_momentum(frames[0]), abs=1e-12 * scale)
 
 
+@pytest.mark.long
 def test_a_mirrored_chain_closes_as_a_mirror_image():
     one, other = (list(simulate(chain(1.6, rolling=0.2, turned=turned, mirrored=side)))[-1] for turned, side in
                   ((0.3, 1.0), (0.3, -1.0)))  # fmt: skip

@@ -67,6 +67,7 @@ def pulled(parameters, state, workspace):
     return workspace.force.copy(), workspace.scratch.interactions[0].torque.copy()
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     "dish",
     [
@@ -98,6 +99,7 @@ def test_forces_and_torques_are_what_the_energy_falls_by(dish):
             assert -slope == pytest.approx(expected, abs=2e-6 * scale)
 
 
+@pytest.mark.long
 def test_forces_cancel_and_so_do_torques():
     opens = begun(everyone())
     force, torque = pulled(*opens)

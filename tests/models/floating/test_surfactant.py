@@ -73,12 +73,14 @@ def slowness(spacing):
     return 1.0 - float(np.hypot(*state.velocity[0])) / law
 
 
+@pytest.mark.long
 def test_the_speed_of_a_lone_float_converges_to_the_balance_of_propulsion_and_drag():
     """A disc of 1.5 mm with two and four cells per radius, 8 times above the threshold."""
     coarse, fine = slowness(7.5e-4), slowness(3.75e-4)
     assert 0.0 < fine < 0.5 * coarse < 0.05
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(("times_threshold", "grows"), [(0.5, False), (2.0, True)])
 def test_a_float_swims_above_the_threshold_and_stops_below_it(times_threshold, grows):
     parameters = FLOATING.parameters(boats([[0.03, 0.03]], release=1e-9))
@@ -98,6 +100,7 @@ def rows(scene, name):
     return [row for row in FLOATING.summary(scene) if row[0] == name]
 
 
+@pytest.mark.long
 def test_check_states_the_speed_of_a_lone_float_with_the_drag_of_the_scene():
     """At a Reynolds number of 50, at which the drag is three times as large as by Stokes's law."""
     drag = "[hydrodynamics]\ndrag = 'schiller-naumann'\n"
@@ -242,6 +245,7 @@ def test_a_disc_drives_itself_alike_along_all_symmetric_directions():
         assert position == pytest.approx(expected, abs=1e-12)
 
 
+@pytest.mark.long
 @pytest.mark.uncompiled  # varying flows and surfactant are compiled by others, each without the other
 def test_surfactant_of_a_flow_that_varies_is_carried_at_its_times(tmp_path, monkeypatch):
     """A uniform flow that starts from rest and grows carries a spot by half its last velocity times the time."""
@@ -342,6 +346,7 @@ def test_a_saturated_surface_pulls_nothing():
     assert np.abs(pull[0]).max() < 1e-15 < pull[1, 0]
 
 
+@pytest.mark.long
 def test_injected_work_is_the_change_of_the_kinetic_energy_and_the_loss_to_drag():
     scene = boats([[0.0301, 0.0302]], velocity="[0.1, 0.0]", duration=0.4, frame_every=2e-3)
     frames = list(simulate(scene))

@@ -79,6 +79,7 @@ def test_velocity_verlet_is_of_second_order_in_a_varying_flow(tmp_path):
     assert wrong[0] / wrong[1] == pytest.approx(4.0, rel=0.05)
 
 
+@pytest.mark.long
 @pytest.mark.compiled
 def test_drag_by_the_reynolds_number_has_the_flow_of_the_same_time(tmp_path):
     """A float that moves with a uniform flow has no drag, at any time: it keeps up with a slow change."""

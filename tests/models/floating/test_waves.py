@@ -1,7 +1,5 @@
 """Floats that radiate waves: forces of the law, torques, work, bits, and what is refused."""
 
-import os
-
 import numpy as np
 import pytest
 
@@ -14,7 +12,7 @@ from ecume.models.floating.time_integration.integration import forces_at
 from tests.models import begun
 from tests.models.floating.bowls import scene_of
 
-pytestmark = pytest.mark.skipif(os.environ.get("NUMBA_DISABLE_JIT") != "1", reason="tried as plain Python")
+pytestmark = pytest.mark.uncompiled
 
 FLOATING = MODELS["floating"]
 BATH = "[liquid]\ndensity = 1149.5\nviscosity = 0.01\nsurface_tension = 0.067\n"
@@ -186,6 +184,7 @@ def test_as_many_headings_as_floats_are_needed_whichever_way_they_are_given(head
         from_rows(headings)
 
 
+@pytest.mark.long
 def test_noise_turns_floats_with_sources():
     """Steps of kT/zeta_r, with the friction of a float that turns: <angle^2> = 2 D t."""
     places = [(1e-2 * i, 1e-2 * j) for i in range(20) for j in range(20)]

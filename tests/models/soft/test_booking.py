@@ -64,6 +64,7 @@ def test_the_energy_budget_of_a_pair_under_a_constant_force_is_exact():
     assert change["size_work"] < 0.0  # a gap that opens stiffens its contact
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(("scheme", "order"), [("tr-bdf2", 2), ("esdirk4", 4)])
 def test_the_error_of_the_energy_budget_falls_with_the_order_of_the_scheme(scheme, order):
     left, steps = [], []
@@ -140,6 +141,7 @@ def test_a_jump_does_the_work_that_deflections_take_up():
     assert last["injected_work"] - calm["injected_work"] == pytest.approx(taken_up, rel=1e-6, abs=0.0)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("every", [0.1, 0.3, 0.7])
 def test_a_jump_at_any_frame_is_made_however_the_time_of_the_frame_is_rounded(every):
     """Three times 0.1 is no 0.3 in binary."""

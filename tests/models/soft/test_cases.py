@@ -38,6 +38,7 @@ def test_soft_oscillation_energy():
     assert missing(list(simulate(case("soft_oscillation_energy")))) < 1e-4
 
 
+@pytest.mark.long
 @pytest.mark.compiled
 def test_soft_rotation_drag_stress():
     """Rotation, drag and a shear stress together were refused; forces balance from the first frame on."""

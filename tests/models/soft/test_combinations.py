@@ -114,6 +114,7 @@ JUMP = [{"time": 0.0}, {"time": 0.2}, {"time": 0.2, "strain": 0.01}]
 WAVE = [{"time": 0.0, "oscillation": {"frequency": 10.0, "amplitude": 1e-3}}]
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(("protocol", "drag"), [(JUMP, "none"), (WAVE, "stokes")])
 @pytest.mark.parametrize("integrator", ["esdirk4", "tr-bdf2"])
 def test_work_is_as_accurate_as_the_tolerance_after_a_jump_and_in_an_oscillation(protocol, drag, integrator):

@@ -25,6 +25,7 @@ def asymmetry(frame):
     return abs(stress[0, 1] - stress[1, 0]) / abs(stress[0, 1])
 
 
+@pytest.mark.long
 @pytest.mark.compiled
 def test_the_stress_stays_symmetric_while_films_of_rotating_spheres_fade():
     frames = list(simulate(packing(count=12, strain=0.6, duration=20.0, frame_every=0.2, rotation=True)))[1:]

@@ -57,6 +57,7 @@ def test_frames_reports_and_checkpoints_count_the_steps_that_were_taken(tmp_path
     assert (seen.step, seen.steps, seen.checkpoint) == (done.steps, done.steps, done.steps)
 
 
+@pytest.mark.long
 def test_a_run_that_is_stopped_reports_its_steps_and_no_total(tmp_path):
     import os
 

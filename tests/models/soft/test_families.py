@@ -172,6 +172,7 @@ MOBILE = {"interface": "mobile", "tension_law": "symmetric"}
 """Below jamming, spheres without sliding friction are held by tension alone."""
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("films", [{"surface": "bubble"}, {"interface": "drop"}, MOBILE])
 def test_layers_of_bubbles_and_drops_flow_and_stay_dissipative(films):
     parameters, state = integrated(sheared(**films))

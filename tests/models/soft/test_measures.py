@@ -63,7 +63,7 @@ def test_two_spheres_across_a_border_carry_the_stress_of_their_force_and_distanc
     assert stress_tensor(frame)[0, 0] == pytest.approx(0.0, abs=1e-9)
 
 
-@pytest.mark.sampled(2)
+@pytest.mark.long
 @pytest.mark.parametrize("dimensions", [2, 3])
 def test_velocities_are_those_of_the_copies_in_the_box(dimensions):
     before, after = sheared(dimensions, steps=400)[-2:]

@@ -59,6 +59,7 @@ def ran(scene):
     return [frame for frame, _ in found], [state for _, state in found]
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("rows", "dimensions", "drained"),
     [
@@ -90,6 +91,7 @@ def test_a_column_consolidates_by_terzaghis_series(rows, dimensions, drained):
         assert (numbers[f"pore_pressure_{side}"] > 1e-9 * numbers["largest_pore_pressure"] > 0.0) == (not passes)
 
 
+@pytest.mark.long
 def test_the_liquid_bears_a_new_load_alone():
     """At the time of the step spheres cannot approach: the undrained wall rests on the liquid."""
     frames, _ = ran(column(drained=(True, False)))
@@ -198,6 +200,7 @@ def permeating(dice):
     return plain
 
 
+@pytest.mark.long
 @pytest.mark.compiled
 @pytest.mark.parametrize("seed", [1, 5, 11])
 def test_a_random_packing_that_liquid_permeates_keeps_what_every_run_keeps(seed):

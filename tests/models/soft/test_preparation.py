@@ -38,6 +38,7 @@ def test_a_packing_is_at_its_volume_fraction_and_at_rest_when_time_begins():
     assert last.numbers["pressure"] > 0.1
 
 
+@pytest.mark.long
 def test_a_packing_begins_at_the_pressure_to_which_it_was_compressed():
     scene = prepared({"pressure": "0.1 N/m"}, protocol=[{"time": 0.0, "pressure": "0.1 N/m"}])
     frames = list(simulate(scene))
@@ -47,6 +48,7 @@ def test_a_packing_begins_at_the_pressure_to_which_it_was_compressed():
     assert fractions == pytest.approx([fractions[0]] * 5, rel=1e-3)
 
 
+@pytest.mark.long
 def test_a_smaller_part_leaves_a_packing_alone_for_longer():
     """After a fast compression: the pressure falls from one to the next."""
     pressures = []
@@ -56,6 +58,7 @@ def test_a_smaller_part_leaves_a_packing_alone_for_longer():
     assert pressures[0] > pressures[1] > pressures[2] > 0.9 * pressures[1]
 
 
+@pytest.mark.long
 def test_slow_compression_ends_as_the_protocol_of_the_same_compression():
     """The first state of the preparation, its compression and a long rest, as moments of a protocol."""
     scene = prepared({"volume_fraction": 0.87, "relaxed": 1e-3})
@@ -75,7 +78,7 @@ def closes(plain):
     return plain["films"]["interface"] not in ("rigid", "half-mobile") and plain["long_range_forces"]["law"] == "none"
 
 
-@pytest.mark.sampled(4)
+@pytest.mark.long
 @pytest.mark.parametrize("goal", ["volume_fraction", "pressure"])
 @pytest.mark.parametrize("seed", [1, 5, 8, 15])
 def test_random_packings_keep_what_every_run_keeps(seed, goal):
@@ -128,6 +131,7 @@ def test_impossible_preparations_are_refused(change, message):
         from_plain(LOOSE | change)
 
 
+@pytest.mark.long
 def test_a_pressure_beyond_all_packings_is_refused_with_the_fraction_that_was_reached():
     scene = prepared({"pressure": "1 kN/m"})
     with pytest.raises(SceneError, match=r"preparation\.pressure: is not reached at a volume fraction of 1\.4"):
@@ -155,6 +159,7 @@ def test_frames_state_how_the_preparation_ended():
     assert first.numbers["preparation_time"] > np.log(0.87 / 0.75) / 2.0 / 0.1
 
 
+@pytest.mark.long
 def test_a_wall_compresses_a_packing_to_its_pressure_before_it_moves():
     walls = [{"side": "bottom"}, {"side": "top", "pressure": "0.05 N/m", "velocity": [1e-3, 0.0]}]
     first, *_, last = simulate(

@@ -11,7 +11,7 @@ from tests.models.soft.random_scenes import draw, drawn, explicit, outcome, reor
 pytestmark = [pytest.mark.compiled]
 
 
-@pytest.mark.sampled(2)
+@pytest.mark.long
 @pytest.mark.parametrize("seed", [275, 1010, 2005, 2007, 2009])
 def test_a_random_scene_keeps_what_every_run_keeps(seed):
     """Balance, imposed stresses, symmetry and energy; and, with its spheres in another order, rotated, or continued
@@ -20,6 +20,7 @@ def test_a_random_scene_keeps_what_every_run_keeps(seed):
     assert outcome(seed) == ("done", {})
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("seed", [40, 48])
 def test_a_film_that_opens_costs_no_work_that_nothing_does(seed):
     """In the step after it, forces relax within a time far below the step: its work was wrong by half, its gaps not."""
@@ -85,6 +86,7 @@ LOOSE = {
 }  # fmt: skip
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("change", [reordered, lambda plain, dice: turned(plain, dice, 2)])
 def test_a_pressed_loose_packing_depends_neither_on_the_order_of_spheres_nor_on_the_axes(change):
     plain = explicit(from_plain(LOOSE))

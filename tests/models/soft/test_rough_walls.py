@@ -32,6 +32,7 @@ def rough(**change):
     return from_plain(ROUGH | change)
 
 
+@pytest.mark.long
 def test_glued_spheres_stand_on_their_wall_and_move_with_it():
     frames = list(simulate(rough()))
     for frame in frames:
@@ -64,6 +65,7 @@ def sheared(frames, free):
     return np.mean(found)
 
 
+@pytest.mark.long
 def test_rough_walls_shear_what_slides_between_smooth_ones_as_a_whole():
     smooth = [{key: value for key, value in one.items() if key != "glued"} for one in ROUGH["particles"]]
     dragged, slid = (list(simulate(rough(duration=2.0, particles=these))) for these in (ROUGH["particles"], smooth))
@@ -103,6 +105,7 @@ def between_rough_walls(dice):
                 return explicit(from_plain(glued(dice, plain)))
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("seed", [1, 2, 3, 5])
 def test_random_packings_between_rough_walls_keep_what_every_run_keeps(seed):
     """Balance and energy, in another order, rotated, and continued from the middle."""

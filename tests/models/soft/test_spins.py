@@ -149,7 +149,7 @@ def test_a_cluster_that_turns_as_a_whole_feels_what_it_feels_at_rest(dimensions,
     assert step.films.log_gap == pytest.approx(still_step.films.log_gap, abs=1e-12)
 
 
-@pytest.mark.sampled(3)
+@pytest.mark.long
 @pytest.mark.compiled
 @pytest.mark.parametrize(("gap", "kappa"), [(1e-2, 1e-3), (0.1, 1e-6), (1e-3, 1e-4), (1e-5, 1e-2)])
 def test_spheres_do_not_spin_in_a_symmetric_swap(gap, kappa):
@@ -256,6 +256,7 @@ def test_a_turn_of_all_spheres_is_taken_back_by_their_loads_or_leaves_no_mean_sp
     assert np.abs(changes[0]).max() < 1e-9
 
 
+@pytest.mark.long
 @pytest.mark.compiled
 @pytest.mark.parametrize("dimensions", [2, 3])
 @pytest.mark.parametrize("sense", [1.0, -1.0], ids=["pulled", "pressed"])

@@ -40,6 +40,7 @@ def numbers(scene, *names):
     return np.array([[frame.numbers[name] for name in names] for frame in simulate(scene)]).T
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("protocol", "met"),
     [
@@ -59,6 +60,7 @@ def test_a_stress_that_is_imposed_is_that_of_the_packing_from_the_first_instant_
     assert (frame.numbers["box_height"] < packing(**given).cell.size[1]) == (len(met) > 1 or "normal_stress" in met)
 
 
+@pytest.mark.long
 def test_a_pressure_moves_all_sides_alike_and_a_normal_stress_the_height_alone():
     for name, same in (("pressure", True), ("normal_stress", False)):
         width, height = numbers(stressed([{"time": 0.0, name: NORMAL}]), "box_width", "box_height")
@@ -77,6 +79,7 @@ def test_the_stress_that_a_strain_took_gives_the_strain_back():
         assert other.numbers["strain"] == pytest.approx(one.numbers["strain"], rel=1e-3)
 
 
+@pytest.mark.long
 def test_spheres_that_spin_make_a_symmetric_stress():
     frame = list(simulate(stressed(BOTH, rotation=True)))[-1]
     tensor = stress_tensor(frame)

@@ -65,6 +65,7 @@ def test_the_faintest_forces_part_rigid_spheres(gap, constant):
     assert found.imbalance < 1e-12
 
 
+@pytest.mark.long
 def test_deflections_as_unknowns_give_what_positions_give():
     given = 1e-3, (-2e-4, 1e-3), (0.5, 0.9)
     ours = follow_symmetric(*given, ("physical", 0.01, 1e-7))

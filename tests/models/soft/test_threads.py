@@ -37,6 +37,7 @@ def threaded_loops():
     return {id(one): one for module in modules for one in vars(module).values() if isinstance(one, Shared)}.values()
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("rotation", "iterations"),
     [(True, 0), pytest.param(False, 0, marks=pytest.mark.long), pytest.param(False, 2000, marks=pytest.mark.long)],

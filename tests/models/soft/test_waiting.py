@@ -93,6 +93,7 @@ def run_past_first_rate(scene, state=None):
     return found, states
 
 
+@pytest.mark.long
 @pytest.mark.compiled
 def test_a_resumed_run_ends_its_rates_at_the_same_frames():
     whole, states = run_past_first_rate(waiting_packing())

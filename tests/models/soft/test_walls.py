@@ -54,6 +54,7 @@ def channel(walls, dimensions=2, count=8, **more):
     return from_plain(plain | more)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("dimensions", [2, 3])
 @pytest.mark.parametrize("modulus", [None, 3.0])
 def test_a_sphere_leaves_a_wall_as_the_closed_form_has_it(modulus, dimensions):
@@ -73,12 +74,14 @@ def test_a_rigid_sphere_feels_six_pi_eta_r_squared_over_h():
     assert math.log(0.02) - state.wall_gap[0, 0] == pytest.approx(1e3 * 1e-9 / zeta / 0.02, rel=1e-3)
 
 
+@pytest.mark.long
 def test_the_floor_bears_all_that_pushes():
     frame = list(simulate(at_floor(force=-1e-3)))[-1]
     assert frame.numbers["bottom_force_y"] == pytest.approx(-2e-3, rel=1e-9)
     assert frame.numbers["bottom_force_x"] == pytest.approx(0.0, abs=1e-12)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("rotation", [False, pytest.param(True, marks=pytest.mark.compiled)])
 def test_a_moving_ceiling_drags_the_spheres_along_and_the_floor_holds_them(rotation):
     frames = list(simulate(channel({"top": {"velocity": [0.2, 0.0]}}, rotation=rotation)))
@@ -220,6 +223,7 @@ def test_interruptions_change_no_bit_at_walls():
         assert getattr(pieces, name).tobytes() == array.tobytes(), name
 
 
+@pytest.mark.long
 def test_a_heavy_sphere_falls_at_stokes_speed_and_lies_on_the_floor_with_its_weight():
     plain = {
         "model": "soft", "duration": 40.0, "frame_every": 0.5,

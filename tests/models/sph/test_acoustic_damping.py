@@ -198,6 +198,7 @@ def wave(alpha, integrator="symplectic"):
     return np.array([frame.time for frame in frames]), np.array([frame.numbers["kinetic_energy"] for frame in frames])
 
 
+@pytest.mark.long
 @pytest.mark.compiled
 @pytest.mark.parametrize(("integrator", "lag"), [("symplectic", 0.0), ("verlet", 1.0)])
 def test_sound_decays_at_half_the_bulk_viscosity_times_the_squared_wavenumber(integrator, lag):

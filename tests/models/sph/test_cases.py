@@ -86,7 +86,7 @@ def test_draining_tank():
     assert "mass" not in [row.name for row in SPH.invariants(scene, SPH.parameters(scene))]
 
 
-@pytest.mark.sampled(2)
+@pytest.mark.long
 @pytest.mark.compiled
 @pytest.mark.parametrize(("density", "moved"), [(500.0, 4.09e-3), (1000.0, 0.0), (2000.0, -4.09e-3)])
 def test_right_disc(density, moved):
@@ -123,6 +123,7 @@ def beside_its_mesh(folder, name):
     return load_scene(folder / f"{name}.toml")
 
 
+@pytest.mark.long
 def test_stl_overlapping_shells(tmp_path):
     """Their union is filled, the overlap too, and no particle is heavier than its cell."""
     pytest.importorskip("trimesh")
@@ -160,6 +161,7 @@ def test_what_moves_is_a_body_and_the_message_says_so(name, key):
         case(name)
 
 
+@pytest.mark.long
 @pytest.mark.compiled
 def test_gate_and_cad_solids():
     """Both halves of a floor with a slot rise at 1 m/s as bodies: they lift the liquid, and stay within their path."""

@@ -277,6 +277,7 @@ def test_a_finer_spacing_is_a_remedy_only_where_viscosity_is_artificial():
     assert "wave damping" not in said(from_plain({**plain, "liquid": {**bare, "rheology": {"yield_stress": 9.0}}}))
 
 
+@pytest.mark.long
 @pytest.mark.compiled
 @pytest.mark.parametrize(("depth", "deep"), [(1.0, 16), (0.25, 8)])
 def test_a_wave_decays_as_was_announced(depth, deep):

@@ -46,7 +46,7 @@ def mine_of(table, parameters):
     return (parameters.bodies.obstacles if table == "obstacles" else parameters.bodies.shapes)[0]
 
 
-@pytest.mark.sampled(2)
+@pytest.mark.long
 @pytest.mark.compiled
 @pytest.mark.parametrize("table", ["obstacles", "bodies"])
 def test_a_ball_of_an_stl_file_is_a_ball(tmp_path, table):
@@ -88,6 +88,7 @@ def test_the_liquid_lifts_a_drawn_ball_by_what_it_displaces(tmp_path):
     assert frames[0].numbers["obstacle0_hits"] == 0
 
 
+@pytest.mark.long
 @pytest.mark.compiled
 def test_liquid_stays_out_of_a_corner_and_rests_on_it():
     scene = from_plain({**WIDE, "obstacles": [{"vertices": CORNER}], "duration": 0.6})
@@ -112,6 +113,7 @@ def test_a_drop_thrown_at_a_corner_does_not_get_into_it():
         assert shape.nearest(frame.arrays["position"])[0].min() > -1e-9
 
 
+@pytest.mark.long
 @pytest.mark.compiled
 def test_a_basin_of_any_shape_holds_its_liquid():
     basin = [[0.1, 0.9], [0.3, 0.2], [0.7, 0.2], [0.9, 0.9]]
@@ -130,6 +132,7 @@ def test_a_basin_of_any_shape_holds_its_liquid():
     assert down == pytest.approx(-area * 1000.0 * 9.81, rel=0.15)
 
 
+@pytest.mark.long
 @pytest.mark.compiled
 def test_the_drawing_of_a_tank_becomes_a_hole_in_a_block(tmp_path):
     pytest.importorskip("trimesh")
@@ -175,6 +178,7 @@ def test_a_drawn_body_turns_about_its_principal_axes_and_frames_say_how_far_sinc
     assert abs(later.pose[3:, 0] - state.pose[3:, 0]).max() > 0.05
 
 
+@pytest.mark.long
 @pytest.mark.compiled
 @pytest.mark.parametrize(
     ("solid", "volume"),
@@ -190,6 +194,7 @@ def test_cylinders_and_ramps_displace_their_volume(solid, volume):
     assert not parameters.bodies.obstacles[0].inside(state.position.T).any()
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("table", ["obstacles", "bodies"])
 def test_shells_that_overlap_are_refused_in_solids(table):
     both = np.concatenate([ball(0.3, [-0.15, 0.0, 0.0]), ball(0.3, [0.15, 0.0, 0.0])])

@@ -83,6 +83,7 @@ def stirrer(deep=8, duration=0.5):
     )
 
 
+@pytest.mark.long
 @pytest.mark.compiled
 def test_a_disc_that_turns_in_a_round_basin_has_the_torque_of_couette_flow():
     """T = 4 pi eta w / (1/R1^2 - 1/R2^2) for each meter; both walls are half a spacing thick in it (first order)."""
@@ -213,7 +214,7 @@ def test_a_pivot_holds_its_place():
         assert turned == pytest.approx([0.1, 0.02])
 
 
-@pytest.mark.sampled(4)
+@pytest.mark.long
 @pytest.mark.compiled
 @pytest.mark.parametrize("seed", range(6))
 def test_bodies_on_random_paths_do_the_work_that_the_liquid_gains(seed):
@@ -235,6 +236,7 @@ def test_bodies_on_random_paths_do_the_work_that_the_liquid_gains(seed):
     assert x[-1] == pytest.approx(on_path(path, 0.15)[0][0], abs=1e-12)
 
 
+@pytest.mark.long
 @pytest.mark.compiled
 def test_a_driven_body_pushes_a_free_one_and_is_not_pushed_back():
     pusher = {"low": [0.05, 0.0], "high": [0.1, 0.1], "motion": {"velocity": [0.5, 0.0]}}

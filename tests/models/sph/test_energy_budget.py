@@ -120,6 +120,7 @@ def test_a_stream_that_nothing_rubs_gains_and_loses_nothing(tmp_path):
     assert np.abs(own).max() < 1e-4
 
 
+@pytest.mark.long
 @pytest.mark.compiled
 def test_energy_that_a_body_loses_goes_to_the_liquid_and_none_is_created(tmp_path):
     scene = dataclasses.replace(tub(4.0, density_diffusion="none"), duration=0.4)

@@ -179,6 +179,7 @@ def test_dummies_of_a_disc_are_symmetric_about_its_axes_and_diagonals(radius):
         assert (volume == volume[other]).all()
 
 
+@pytest.mark.long
 @pytest.mark.compiled
 def test_a_neutral_disc_in_the_middle_neither_turns_nor_leaves_it():
     body = {"center": [0.5, 0.2], "radius": 0.1, "density": 1.0}

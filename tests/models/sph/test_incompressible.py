@@ -347,6 +347,7 @@ def test_only_long_steps_are_divided_for_shifts():
     assert shifts_needed(parameters, state, parameters.time_step) == 1
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("seed", range(6))
 def test_liquid_that_falls_along_a_wall_or_an_obstacle_falls_freely(seed):
     """The mean acceleration of a square whose pressure is zero. It was 0.95 g when pressure continued behind dummies as

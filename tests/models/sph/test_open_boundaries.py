@@ -72,6 +72,7 @@ def test_random_channels_with_a_parabola_keep_flux_and_number_of_particles(seed)
     assert np.mean(errors) < 0.03
 
 
+@pytest.mark.long
 @pytest.mark.compiled
 def test_a_parabola_that_flows_in_flows_out_as_one():
     frames = list(ecume.simulate(channel()))

@@ -35,6 +35,7 @@ def cup(*tracers, **method):
     )
 
 
+@pytest.mark.long
 def test_a_tracer_in_a_rigid_rotation_keeps_its_radius():
     place = {"positions": ((0.25, 0.0), (0.0, -0.1))}
     scene = dataclasses.replace(free_blob(jitter=0.0), passive_tracers=(PassiveTracerSpec(**place),))
@@ -89,6 +90,7 @@ def test_what_cannot_be_carried_is_refused(spec):
         cup(spec)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("dimension", [2, 3])
 def test_looking_into_the_cells_around_finds_what_looking_at_all_does(dimension):
     low, high = [0.0] * dimension, [0.1] * dimension

@@ -41,6 +41,7 @@ def sway(time, length=1.0, depth=1.0, gravity=1.0):
     return total
 
 
+@pytest.mark.long
 @pytest.mark.compiled
 def test_a_shaken_tank_sloshes_as_linear_theory_has_it(tmp_path):
     scene = changed(tank(deep=16, jitter=0.0), base_excitation=SHAKE, duration=4.0)

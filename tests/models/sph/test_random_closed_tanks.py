@@ -59,6 +59,7 @@ def test_no_work_is_counted_once_an_incompressible_liquid_rests(seed):
     assert np.ptp(net[10:]) < 3e-4 * net[0]
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("pressure", "seed"), [*(("tait", seed) for seed in (3, 4, 11)), *(("incompressible", k) for k in (1, 2, 3, 6, 18))]
 )
@@ -71,6 +72,7 @@ def test_still_liquid_bears_what_stands_in_it_on_the_floor_or_above(pressure, se
     assert speed < 0.03
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("pressure", ["tait", "incompressible"])
 def test_forces_do_not_depend_on_whether_a_tank_counts_as_full(pressure):
     """Methods are chosen once, at the start, by volume. They stay right where a run fills or empties a tank: from 1 %
@@ -90,6 +92,7 @@ def test_forces_do_not_depend_on_whether_a_tank_counts_as_full(pressure):
         assert late[-1]["largest_speed"] < 0.03
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("seed", range(2))
 def test_disordered_liquid_without_viscosity_gains_no_energy_in_a_full_periodic_tank(seed):
     """It gained 3 to 10 % of its potential energy, since shifting changed densities as if the volume could change."""

@@ -66,6 +66,7 @@ def test_a_rigid_rotation_does_not_yield():
     assert np.abs(state.acceleration).max() < 1e-7
 
 
+@pytest.mark.long
 def test_in_space_the_rate_of_strain_is_that_of_all_directions():
     gradient = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, -2.0]]
     viscosity, _ = sheared(BINGHAM, gradient, dimension=3)
@@ -83,6 +84,7 @@ def test_the_largest_viscosity_limits_the_step():
     assert SPH.parameters(narrow).time_step == pytest.approx(2.0 * SPH.parameters(wide).time_step, rel=0.02)
 
 
+@pytest.mark.long
 def test_walls_that_hold_the_liquid_have_its_viscosity():
     """Otherwise the mean of both would be up to twice that of the liquid."""
     scene = channel(walls="dummy", yield_stress=4.0)
@@ -110,6 +112,7 @@ def test_the_first_frame_has_the_force_of_the_viscosity_at_its_rate_of_strain(wa
     assert first.numbers["bottom_force_x"] == pytest.approx(0.012 * stress, rel=0.1)
 
 
+@pytest.mark.long
 @pytest.mark.compiled
 @pytest.mark.parametrize(
     ("walls", "liquid", "close"),
@@ -171,6 +174,7 @@ def test_what_no_law_is_known_for_is_refused(changes, says):
         channel(**changes)
 
 
+@pytest.mark.long
 def test_a_liquid_of_one_viscosity_has_the_same_bits_by_either_key():
     """Bingham's liquid without yield stress is Newton's."""
     short = {

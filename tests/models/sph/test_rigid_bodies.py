@@ -101,6 +101,7 @@ def test_a_body_much_lighter_than_the_liquid_rises_calmly(density):
     assert speed[-1] == pytest.approx(0.178 / (1.0 + density), rel=0.1)
 
 
+@pytest.mark.long
 @pytest.mark.compiled
 @pytest.mark.parametrize("friction", ["morris", "monaghan"])
 def test_a_light_body_in_a_thick_liquid_creeps_upwards(friction):

@@ -155,6 +155,7 @@ def from_plain_of_one(scene):
     )  # fmt: skip
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("seed", range(3))
 def test_it_does_not_matter_which_liquid_is_the_first(seed):
     """Forces, rates, time steps and the scales of invariants, with viscosities and the usual damping and diffusion."""
@@ -295,7 +296,7 @@ def test_check_warns_of_a_lattice_that_resists_shear():
         assert ("particles at the start" in rows) == warns
 
 
-@pytest.mark.sampled(3)
+@pytest.mark.long
 @pytest.mark.compiled
 @pytest.mark.parametrize("seed", range(4))
 def test_random_stacked_liquids_stay_at_rest(seed):
@@ -346,6 +347,7 @@ def test_walls_repel_what_the_faster_sound_allows(dense_first):
     assert speed_of(parameters) == FASTEST * fastest == pytest.approx(FASTEST * 10.0 * np.sqrt(2.0 * 100.0))
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("ratio", [2.0, 1000.0])
 def test_stacked_liquids_start_balanced_in_3d(ratio):
     spacing, wide = 1.0 / 8.0, 5.0 / 8.0

@@ -27,6 +27,7 @@ def last(**more):
     return scene, list(ecume.simulate(scene))
 
 
+@pytest.mark.long
 def test_numbers_figures_and_pages_have_the_names_of_solids():
     scene, frames = last()
     numbers, units = frames[-1].numbers, frames[-1].units
@@ -42,6 +43,7 @@ def test_numbers_figures_and_pages_have_the_names_of_solids():
     figures.snapshot(frames, scene)
 
 
+@pytest.mark.long
 def test_the_numbers_of_a_named_solid_are_those_of_one_without_a_name():
     named = last()[1][-1].numbers
     plain = last(**{key: [{k: v for k, v in PLAIN[key][0].items() if k != "name"}] for key in ("obstacles", "bodies")})
@@ -71,6 +73,7 @@ def test_a_name_with_other_characters_is_told_what_it_may_have(name):
         from_plain({**PLAIN, "obstacles": [{**POST, "name": name}]})
 
 
+@pytest.mark.long
 def test_a_solid_named_like_any_number_is_refused_or_hides_none():
     """Whatever begins a number of a frame: a solid of this name is refused, or all numbers are still there."""
     _, frames = last()

@@ -51,6 +51,7 @@ def scene_of(folder, triangles, text, spacing="5 cm", gravity="0.0"):
 DRAWN = 'outline_from = "part.stl"\noutline_unit = "mm"\n'
 
 
+@pytest.mark.long
 def test_stl_large(tmp_path):
     """A sphere of a meter, 65,000 particles at 20 mm, in seconds: lattice points times triangles took 19 s."""
     began = time.process_time()
@@ -62,6 +63,7 @@ def test_stl_large(tmp_path):
     assert made.position.shape[1] == pytest.approx(inside / 0.02**3, rel=0.01)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     "table",
     [f"[[obstacles]]\n{DRAWN}", f"[[bodies]]\n{DRAWN}density = 500.0\n",

@@ -92,6 +92,7 @@ def test_a_table_of_no_use_is_refused_at_its_line(tmp_path, table, says):
     assert len(refused.value.faults) == 1
 
 
+@pytest.mark.long
 def test_a_run_goes_on_from_the_frame_of_another_with_every_number_of_its_particles(tmp_path):
     first = ecume.load_scene(written(tmp_path, "low = [0.0, 0.0]\nhigh = [0.5, 1.0]"))
     run(first, tmp_path / "one")

@@ -31,7 +31,7 @@ def test_as_many_neighbors_as_a_full_lattice_has_are_likely_and_not_many_more(di
     assert likely_neighbors(dimension, reach) == pytest.approx(neighbors + 4.0, rel=0.1, abs=3.0)
 
 
-@pytest.mark.sampled(3)
+@pytest.mark.long
 @pytest.mark.parametrize("force", ["sum", "monaghan", "transport"])
 @pytest.mark.parametrize("dimension", [2, 3])
 def test_forces_between_particles_change_no_momentum(force, dimension):
@@ -45,6 +45,7 @@ def test_forces_between_particles_change_no_momentum(force, dimension):
     np.testing.assert_allclose(momentum, 0.0, atol=1e-12 * np.abs(state.acceleration * state.mass).sum())
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("dimension", [2, 3])
 def test_a_central_force_turns_nothing(dimension):
     parameters, state, workspace = at_start(free_blob(dimension))
@@ -143,7 +144,7 @@ def test_antuono_does_not_touch_a_density_that_grows_linearly():
     assert np.abs(workspace.rates.diffusion).max() < 1e-9
 
 
-@pytest.mark.sampled(4)
+@pytest.mark.long
 @pytest.mark.parametrize("precision", ["double", "single"])
 @pytest.mark.parametrize("force", ["sum", "monaghan"])
 @pytest.mark.parametrize("diffusion", ["none", "molteni", "antuono", "hydrostatic"])

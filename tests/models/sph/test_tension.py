@@ -102,6 +102,7 @@ def test_the_work_of_a_stretch_is_what_the_area_of_a_box_gains(half):
     assert work == pytest.approx(gain, rel=0.1)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("fluid", [DISC, pytest.param(BALL, marks=IN_SPACE)], ids=["disc", "ball"])
 @pytest.mark.parametrize("model", ["csf", "cohesion"])
 def test_surface_tension_changes_no_momentum(model, fluid):
@@ -137,6 +138,7 @@ def test_cohesion_draws_a_disc_together():
     assert (x * a).sum(axis=0)[outside].max() < 0.0
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("model", [pytest.param("csf", marks=pytest.mark.compiled), "cohesion"])
 def test_a_mirror_meets_the_surface_at_a_right_angle(model):
     x, _, a = pulled(drop(model, {"low": [-1.0, -1.0], "high": [1.0, 1.0]}))

@@ -35,6 +35,7 @@ def disc(height, **more):
 AREA = math.pi * RADIUS**2
 
 
+@pytest.mark.long
 @pytest.mark.compiled
 @pytest.mark.parametrize("walls", ["mirror", "dummy"])
 @pytest.mark.parametrize("gap", [0.0, 0.5, 2.0])
@@ -45,6 +46,7 @@ def test_a_disc_on_or_close_to_the_floor_has_the_lift_of_its_area(gap, walls):
     assert end.numbers["bottom_force_y"] == pytest.approx(-1.2, rel=0.01)  # of the liquid up to the level, disc or not
 
 
+@pytest.mark.long
 @pytest.mark.compiled
 @pytest.mark.parametrize("walls", ["mirror", "dummy"])
 def test_a_slope_between_wall_and_floor_bears_the_pressure_over_it(walls):
@@ -146,6 +148,7 @@ def test_a_dry_post_on_the_floor_of_a_hollow_tank_bears_nothing(gap):
     assert frame.numbers["obstacle0_force_x"] == frame.numbers["obstacle0_force_y"] == 0.0
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("bodies", [[disc(RADIUS, density=2.0)], [disc(RADIUS, density=2.0), disc(0.46, density=0.5)]])
 def test_what_one_gets_the_other_loses(bodies):
     scene = pool(bodies=bodies, obstacles=[{"low": [0.8, 0.0], "high": [1.0, 0.3]}])

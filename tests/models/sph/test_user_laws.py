@@ -94,6 +94,7 @@ def test_a_pair_law_acts_across_periodic_sides() -> None:
     assert np.abs((state.mass * found).sum(axis=1)).max() < 1e-12 * np.abs(state.mass * found).sum()
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("integrator", ["symplectic", "verlet"])
 def test_an_external_law_against_gravity_leaves_nothing_to_fall(integrator: str) -> None:
     scene = blobs(gravity=1.0, integration={"integrator": integrator})
@@ -107,6 +108,7 @@ def test_an_external_law_acts_on_the_region_that_the_scene_names() -> None:
     np.testing.assert_array_equal(found, [np.zeros(len(state.mass)), state.region == 1])
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("integrator", ["symplectic", "verlet"])
 @pytest.mark.parametrize("law", [spring, swirl])
 def test_the_work_of_a_law_is_injected_work(integrator: str, law: Any) -> None:

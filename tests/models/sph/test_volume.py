@@ -48,7 +48,7 @@ def drawn_volume(scene):
     return box_volume(scene.fluid[0]) - sum(box_volume(each) for each in scene.obstacles)
 
 
-@pytest.mark.sampled(2)
+@pytest.mark.long
 @pytest.mark.parametrize(("dimension", "tanks"), [(2, 40), (3, 15)])
 def test_boxes_have_the_volume_that_is_drawn_to_rounding(dimension, tanks):
     for seed in range(tanks):
@@ -180,6 +180,7 @@ def full_tank(seed, dimension, **changes):
     )  # fmt: skip
 
 
+@pytest.mark.long
 @pytest.mark.compiled  # some hundred steps
 @pytest.mark.parametrize(("dimension", "seed"), [(2, 0), (2, 2), (3, 0)])
 def test_a_full_tank_keeps_its_volume_and_its_pressure_while_particles_settle(dimension, seed):

@@ -121,6 +121,7 @@ def test_a_particle_turned_back_in_a_corner_pushes_each_side_along_its_normal():
     assert met.change.min() > 1.0
 
 
+@pytest.mark.long
 @pytest.mark.compiled
 @pytest.mark.parametrize(
     ("walls", "solids"), [("mirror", []), ("dummy", []), ("mirror", [{"low": [0.9, 0.0], "high": [1.1, 0.15]}])]

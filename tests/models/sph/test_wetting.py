@@ -126,6 +126,7 @@ def test_forces_are_the_slopes_of_the_energy_in_random_tanks(seed):
     require_slopes(scene, chosen)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("seed", range(3))
 @pytest.mark.parametrize("walls", ["mirror", "dummy"])
 def test_forces_are_the_slopes_of_the_energy_at_any_angle(walls, seed):

@@ -117,6 +117,7 @@ def is_uniform(counts):
     return abs(((counts - usual) ** 2 / usual).sum() - freedom) < 5.0 * math.sqrt(2.0 * freedom)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("noise", [False, True])
 @pytest.mark.parametrize("periodic", [False, True])
 @pytest.mark.parametrize("seed", [1, 2])
@@ -208,6 +209,7 @@ def test_a_linear_interpolation_is_found_to_gather_particles(tmp_path):
     assert found == [False, True]
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("seed", [1, pytest.param(2, marks=pytest.mark.compiled)])
 def test_flows_around_obstacles_keep_a_density_uniform(seed):
     """A front of particles that crosses a channel: what enters a region between obstacles also leaves it.
@@ -262,6 +264,7 @@ def test_a_periodic_array_of_obstacles_keeps_a_density_uniform():
     assert abs(((found - expected) ** 2 / expected).sum() - 14.0) < 5.0 * math.sqrt(28.0)
 
 
+@pytest.mark.long
 @pytest.mark.filterwarnings("ignore:obstacles. the flow does not go around")
 @pytest.mark.parametrize("seed", SEEDS)
 def test_no_particle_is_ever_outside(seed, tmp_path):

@@ -276,6 +276,7 @@ def test_a_flow_from_a_file_carries_particles_as_the_formula_does(tmp_path):
     assert 0.0 < float(shown[1].removesuffix(" %")) < 0.002
 
 
+@pytest.mark.long
 def test_velocities_change_linearly_between_instants(tmp_path):
     saved(tmp_path, instants=2)
     (tmp_path / "scene.toml").write_text(TEXT.format(file="gyre.npz"))
@@ -318,6 +319,7 @@ def test_what_numpy_saved_alone_is_refused_as_no_archive(tmp_path):
         MODELS["tracers"].parameters(load_scene(tmp_path / "scene.toml"))
 
 
+@pytest.mark.long
 def test_a_damaged_netcdf_file_is_a_sentence_in_one_line(tmp_path):
     pytest.importorskip("xarray")
     from scipy.io import netcdf_file
@@ -380,6 +382,7 @@ def test_an_archive_that_would_fill_the_memory_is_refused_by_its_heads(tmp_path,
         grid_of(spec, 2)
 
 
+@pytest.mark.long
 def test_netcdf_and_vtk_give_the_grid_of_numpy(tmp_path):
     xarray = pytest.importorskip("xarray")
     pytest.importorskip("h5netcdf")

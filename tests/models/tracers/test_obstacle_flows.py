@@ -39,6 +39,7 @@ def flow():
     return varying_flow(scene, bounds(scene))
 
 
+@pytest.mark.long
 def test_no_liquid_crosses_walls_and_obstacles_and_as_much_flows_everywhere(flow):
     angle = np.linspace(0.0, 2.0 * math.pi, 100)
     around = np.stack([1.0 + 0.15 * np.cos(angle), 0.45 + 0.15 * np.sin(angle)], axis=1)
@@ -65,6 +66,7 @@ def test_the_flow_has_no_divergence_anywhere(flow):
     assert np.quantile(np.abs(along[:, 0] + upward[:, 1]) / (2.0 * h), 0.9) < 1e-7 * size
 
 
+@pytest.mark.long
 def test_a_slow_flow_is_the_same_forward_and_backward():
     """Stokes's equations are reversible: the mirror image of a symmetric disc has the same velocity along x."""
     scene = scene_of([{"center": [1.5, 0.45], "radius": 0.2}])
@@ -76,6 +78,7 @@ def test_a_slow_flow_is_the_same_forward_and_backward():
     assert one[:, 1] == pytest.approx(-other[:, 1], abs=5e-3 * 0.2)
 
 
+@pytest.mark.long
 def test_a_finer_mesh_has_the_same_flow(monkeypatch):
     scene = scene_of([DISC])
     points = np.random.default_rng(3).uniform((0.1, 0.1), (2.9, 0.9), (60, 2))
@@ -90,6 +93,7 @@ def test_a_finer_mesh_has_the_same_flow(monkeypatch):
     assert np.abs(coarse - fine).max() < 0.01 * 0.2
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("seed", [6, 36])
 def test_polygons_with_sides_of_very_different_lengths_have_a_mesh(seed):
     rng = np.random.default_rng(seed)
@@ -129,6 +133,7 @@ def test_the_points_at_which_the_flow_is_examined_are_on_obstacles():
         assert (normals * (places - places.mean(axis=0))).sum(axis=1).min() > 0.0
 
 
+@pytest.mark.long
 def test_check_cites_and_describes_the_flow():
     scene = scene_of([DISC, TRIANGLE])
     rows = {row[0]: row[1:] for row in MODELS["tracers"].summary(scene)}
@@ -154,6 +159,7 @@ def test_obstacles_that_no_flow_goes_around_are_refused(obstacles, changes, word
         MODELS["tracers"].parameters(scene_of(obstacles, **changes))
 
 
+@pytest.mark.long
 def test_a_periodic_array_has_one_flux_and_the_same_flow_on_both_sides():
     """No liquid crosses walls and obstacles, the mean speed is that of the key, and nothing diverges."""
     scene = scene_of([DISC, TRIANGLE], tank={"high": [2.3, 1.0], "periodic": ["x"]})
@@ -177,6 +183,7 @@ def test_a_periodic_array_has_one_flux_and_the_same_flow_on_both_sides():
     assert np.quantile(rate, 0.9) < 1e-7 * np.abs(along / (2.0 * h)).max()
 
 
+@pytest.mark.long
 def test_a_long_period_has_the_flow_of_a_single_obstacle():
     """Within 1e-5 of the mean speed where the ends are two widths from the disc. What a disc changes decays by e^-4.2
     over a width, so that at one width the two differ by 0.6 %, on any mesh: there the single disc is already felt

@@ -65,6 +65,7 @@ def test_four_parts_of_a_tetrahedron_have_every_divergence_without_a_mean():
         assert np.abs(values).max() < 1e-12
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("seed", range(2))
 def test_the_mesh_fills_the_space_between_bodies_exactly(seed, monkeypatch):
     monkeypatch.setattr(tetrahedral_mesh, "COARSEST", 0.2)
@@ -107,6 +108,7 @@ def test_bins_name_the_element_around_each_point(dimensions):
         assert element in bins.near[first : first + bins.many[cell]]
 
 
+@pytest.mark.long
 def test_a_sphere_has_stokes_s_exact_flow_around_it(monkeypatch):
     """With the exact velocities at the sides of a box. The error is that of the polyhedron around the sphere, of second
     order in its edges.
@@ -140,6 +142,7 @@ def test_a_sphere_has_stokes_s_exact_flow_around_it(monkeypatch):
     assert error[1] < 0.5 * error[0]
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("name", "periodic", "obstacles"),
     [
@@ -185,6 +188,7 @@ def test_no_liquid_crosses_walls_and_obstacles_and_none_gathers(name, periodic, 
     assert means == pytest.approx([0.2] * 4, rel=5e-3)
 
 
+@pytest.mark.long
 @pytest.mark.usefixtures("coarse")
 def test_check_cites_and_describes_the_flow():
     scene = scene_of("duct", [], [BALL])
@@ -236,6 +240,7 @@ def test_obstacles_that_no_flow_goes_around_are_refused(name, periodic, obstacle
         MODELS["tracers"].parameters(scene_of(name, periodic, obstacles, high))
 
 
+@pytest.mark.long
 def test_a_body_that_no_mesh_fits_is_refused_with_the_way_out():
     dice = np.random.default_rng(0)
     for count in (30, 12):

@@ -87,6 +87,7 @@ def scene_of(height=4e-6, **changes):
     return from_plain({**plain, **changes})
 
 
+@pytest.mark.long
 @pytest.mark.compiled
 @pytest.mark.parametrize("step", [None, 0.05])
 def test_a_well_mixed_suspension_stays_so_between_walls(step):
@@ -98,6 +99,7 @@ def test_a_well_mixed_suspension_stays_so_between_walls(step):
     assert height.min() > 0.0
 
 
+@pytest.mark.long
 @pytest.mark.compiled
 def test_the_layer_of_settling_particles_is_barometric_near_the_floor():
     """From the exact profile, which remains while particles change places."""
@@ -187,6 +189,7 @@ def test_a_well_mixed_sea_stays_well_mixed(name):
     assert kstest(last.arrays["position"][:, 1] / 10.0, "uniform").pvalue > 1e-3
 
 
+@pytest.mark.long
 @pytest.mark.compiled
 def test_settling_against_turbulence_has_the_profile_of_rouse():
     """Where K = K0 + s z the density is (K0 + s z)^(-w/s)."""

@@ -47,6 +47,7 @@ def test_a_grain_that_the_liquid_keeps_up_costs_its_weight_times_the_speed(regim
     np.testing.assert_allclose(energy, energy[0], rtol=1e-9)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("drag", ["stokes", "schiller-naumann"])
 @pytest.mark.parametrize("regime", ["inertial", "overdamped"])
 def test_no_grain_that_bounces_in_a_stream_has_energy_from_nowhere(drag, regime):

@@ -48,6 +48,7 @@ def test_floats_without_menisci_leave_the_surface_as_pictures_show_it(scene, fra
     assert np.array_equal(found.height, field_of(scene.dish, liquid_of(scene), found.x, found.y))
 
 
+@pytest.mark.long
 def test_the_surface_away_from_floats_obeys_the_linear_equation(scene, frames):
     open_scene = dataclasses.replace(scene, dish=None)
     found = height_field(open_scene, frames[0], cells=400)

@@ -81,6 +81,7 @@ def test_the_figure_has_a_curve_for_each_pair_and_method(scene):
     assert axes.get_ylabel().endswith("N)")
 
 
+@pytest.mark.long
 @pytest.mark.compiled
 def test_the_command_draws_the_forces_of_a_scene(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)

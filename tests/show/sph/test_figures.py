@@ -155,6 +155,7 @@ DISC = {"obstacles": [{"center": [1.0, 0.3], "radius": 0.2}]}
 FLOAT = {"bodies": [{"low": [0.8, 0.3], "high": [1.2, 0.7], "density": 500.0}]}
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("solids", [DISC, FLOAT])
 def test_the_exact_column_stands_as_high_as_the_liquid_beside_solids(solids):
     """Half of the float is under water, and the disc all of it."""

@@ -76,7 +76,7 @@ def pictures(tab):
     return int(tab.get_attribute("body", "data-drawn"))
 
 
-@pytest.mark.sampled(2)
+@pytest.mark.long
 @pytest.mark.parametrize("model", ["floating", "tracers", "sph", "soft"])
 def test_a_run_is_drawn_without_a_word_to_anybody(tab, tmp_path, model):
     address = opened(tab, run_of(model, tmp_path))
@@ -269,6 +269,7 @@ def test_it_is_readable_on_a_phone_and_in_the_dark(browser, tmp_path):
     phone.close()
 
 
+@pytest.mark.long
 def test_everything_that_is_pressed_has_a_name(tab, tmp_path):
     opened(tab, run_of("floating", tmp_path))
     for one in tab.locator("button, select, input").all():
@@ -332,6 +333,7 @@ def test_a_page_simulates_within_a_second_and_asks_nobody(tab, simulating):
     assert [request for request in tab.requests if not request.startswith("blob:")] == len(ready) * [simulating]
 
 
+@pytest.mark.long
 def test_a_bowl_is_played_by_keys_alone(tab, simulating):
     tab.goto(simulating)
     tab.wait_for_selector("body[data-drawn]", timeout=30_000)
@@ -366,6 +368,7 @@ def test_a_bowl_is_played_by_keys_alone(tab, simulating):
     assert tab.complaints == []
 
 
+@pytest.mark.long
 def test_a_bowl_is_played_by_hands(tab, simulating):
     tab.goto(simulating)
     tab.wait_for_selector("body[data-drawn]", timeout=30_000)
@@ -411,6 +414,7 @@ def test_a_link_brings_a_bowl_back_and_hostile_ones_end_in_a_sentence(browser, t
     assert tab.complaints == []
 
 
+@pytest.mark.long
 def test_a_link_to_a_site_has_a_code(tab, simulating):
     on_site(tab, simulating)
     tab.wait_for_selector("body[data-drawn]", timeout=30_000)
@@ -577,6 +581,7 @@ def test_a_bowl_is_played_with(tab):
         assert all(request.startswith((address.split("/?")[0], "blob:")) for request in tab.requests)
 
 
+@pytest.mark.long
 def test_sliders_follow_a_bowl_that_begins_again(tab):
     with played("cereal-bowl", ["particles[0].count=1", "particles[0].positions=[[0, 0]]"]) as (bowl, address):
         tab.goto(address)
@@ -614,6 +619,7 @@ def pool(tmp_path_factory):
     return written.as_uri()
 
 
+@pytest.mark.long
 def test_a_tank_in_a_page_is_poured_waved_pushed_and_tilted_and_asks_nobody(tab, pool):
     tab.goto(pool)
     tab.wait_for_selector("body[data-drawn]", timeout=30_000)
