@@ -14,7 +14,7 @@ from ecume.engine.linear_solvers.solvers import Kept
 from ecume.engine.walls import nearest_points
 from ecume.laws import soft_pair
 from ecume.models.soft.cell import Cell, make_cell
-from ecume.models.soft.contacts.connected_pieces import anchors, dangling_spheres, pieces
+from ecume.models.soft.contacts.connected_pieces import anchors, dangling_spheres, pieces, turning_pieces
 from ecume.models.soft.contacts.contact import ROUNDING
 from ecume.models.soft.contacts.films import ContactResponses, Films, Pairs, make_films, make_responses
 from ecume.models.soft.contacts.rotation import Spins, make_spins, turned_orientation
@@ -201,6 +201,7 @@ def workspace(parameters: Parameters, state: State, room: float) -> Workspace:
         slope=np.zeros((stages, count, dimensions)),
         drag=parameters.drag,
         anchor=anchor,
+        spin_anchor=np.where(turning_pieces(state.pair[:contacts], state.image[:contacts], anchor), anchor, 0.0),
         force=parameters.force,
         weight=parameters.weight,
         right=shared.right[0],
@@ -373,6 +374,8 @@ class Bodies(NamedTuple):
     """(N,) N s/m"""
     anchor: Array
     """(N,) N/m: anchors of free pieces; see `connected_pieces`"""
+    spin_anchor: Array
+    """(N,) N/m: the same against spins, of pieces that can rotate"""
     force: Array
     """(N, d) N external, proportional to the load"""
     weight: Array

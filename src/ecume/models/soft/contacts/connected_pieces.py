@@ -2,7 +2,8 @@
 
 Without drag, the position of a sphere without films (a rattler) is undetermined, and so is that of spheres that are
 connected only with one another. If no force acts on such a piece, it moves with the box: its first sphere is anchored.
-The forces on the piece balance, so that the anchor exerts no force.
+The forces on the piece balance, so that the anchor exerts no force. A piece may also rotate as a whole, unless its
+films wind around the periodic cell: only then is the spin of its first sphere determined, and not anchored.
 
 A sphere with a single film may roll around its neighbor without any resistance, and so may the spheres of a chain that
 ends freely. If no force acts on them, they do not spin. This determines where they roll to, which rounding would
@@ -97,3 +98,23 @@ def dangling_spheres(parameters: Parameters, pair: Integers, touching: Integers,
         films -= np.bincount(pair[removed].ravel(), minlength=len(films))
         here &= ~removed
     return found
+
+
+def turning_pieces(pair: Integers, image: Integers, anchor: Array) -> NDArray[np.bool_]:
+    """Whether each anchored sphere is that of a piece which can rotate as a whole, since no closed loop of its films
+    leads to a periodic image.
+    """
+    turning = anchor > 0.0
+    if not turning.any() or not image.any():
+        return turning
+    piece = pieces(pair, np.zeros((len(anchor), 0), np.int64))
+    cell, known = np.zeros((len(anchor), image.shape[1]), np.int64), np.zeros(len(anchor), np.bool_)
+    known[np.unique(piece, return_index=True)[1]] = True
+    ends = (pair[:, 0], pair[:, 1], image), (pair[:, 1], pair[:, 0], -image)
+    while not known.all():
+        for here, there, shift in ends:
+            new = known[here] & ~known[there]
+            cell[there[new]] = cell[here[new]] + shift[new]
+            known[there[new]] = True
+    winds = (cell[pair[:, 0]] + image != cell[pair[:, 1]]).any(axis=1)
+    return turning & ~np.isin(piece, piece[pair[winds, 0]])

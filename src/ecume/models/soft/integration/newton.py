@@ -218,8 +218,10 @@ def set_diagonal(bodies: Bodies, spins: Spins, span: float) -> None:
     dimensions = bodies.position.shape[1]
     for i in range(len(bodies.drag)):
         for k in range(bodies.diagonal.shape[1]):
-            drag, held = (bodies.drag[i], 0.0) if k < dimensions else (spins.drag[i], spins.held[i])
-            bodies.diagonal[i, k] = bodies.anchor[i] + held + (drag / span if span > 0.0 else 0.0)
+            drag, held = (bodies.drag[i], bodies.anchor[i])
+            if k >= dimensions:
+                drag, held = (spins.drag[i], bodies.spin_anchor[i] + spins.held[i])
+            bodies.diagonal[i, k] = held + (drag / span if span > 0.0 else 0.0)
 
 
 def count_links(pattern: Pattern, *_: object) -> int:
