@@ -208,7 +208,28 @@ class ByDimension:
         return read
 
 
-BODY_MASS, CONCENTRATION = ByDimension("kg/m", "kg"), ByDimension("1/m^2", "1/m^3")
+AVOGADRO = 6.02214076e23
+"""The number of particles in a mole, exact in the SI of 2019."""
+
+
+@dataclass(frozen=True)
+class NumberDensity(ByDimension):
+    """The units of numbers of particles per area or volume, in which a number may also be stated in moles."""
+
+    def number(self, value: object) -> float:
+        """A number in SI units, as of `ByDimension`; moles are numbers of particles."""
+        try:
+            moles = ByDimension("mol/m^2", "mol/m^3").number(value) if _has_moles(value) else None
+        except ValueError:  # of another dimension: the fault names the unit of the numbers
+            moles = None
+        return super().number(value) if moles is None else type(moles)(AVOGADRO * moles)
+
+
+def _has_moles(value: object) -> bool:
+    return "mol" in str(value)
+
+
+BODY_MASS, CONCENTRATION = ByDimension("kg/m", "kg"), NumberDensity("1/m^2", "1/m^3")
 BodyMass = Annotated[float, PlainValidator(BODY_MASS.reader(0.0, 1e15)), BODY_MASS]
 Concentration = Annotated[float, PlainValidator(CONCENTRATION.reader(0.0, 1e30)), CONCENTRATION]
 

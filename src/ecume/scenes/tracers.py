@@ -347,8 +347,8 @@ class OpeningSpec:
     """The number of particles that enter per second (1/s), at random positions in the opening. Effect: the number of
     particles grows in proportion to it."""
     concentration: Concentration | None = None
-    """The number of particles per volume of the liquid that flows in (1/m^3; 1/m^2 in 2D), such as `100 1/mL`. Effect:
-    the number of particles grows in proportion to it and to the inflow."""
+    """The number of particles per volume of the liquid that flows in (1/m^3; 1/m^2 in 2D), such as `100 1/mL` or
+    `1 fmol/L`. Effect: the number of particles grows in proportion to it and to the inflow."""
     species: Name = ""
     """The name of the species that enters; by default the first one. Effect: selects radius and density of entering
     particles."""

@@ -138,20 +138,23 @@ def test_a_flow_through_an_obstacle_is_a_warning_with_its_size():
 
 @pytest.mark.parametrize(
     ("text", "corners", "expected"),
-    [("1e8 1/m^2", 2, 1e8), ("100 1/mm^2", 2, 1e8), ("1e14 m^-3", 3, 1e14), ("100 1/mL", 3, 1e8), (5.0, 3, 5.0)],
-)
+    [
+        ("1e8 1/m^2", 2, 1e8), ("100 1/mm^2", 2, 1e8), ("1e14 m^-3", 3, 1e14), ("100 1/mL", 3, 1e8), (5.0, 3, 5.0),
+        ("1 fmol/L", 3, 6.02214076e11), ("2 pmol/m^2", 2, 1.204428152e12),
+    ],
+)  # fmt: skip
 def test_a_concentration_has_the_unit_of_its_dimension(text, corners, expected):
     made = opening(text, corners)
     assert made.openings[0].concentration == pytest.approx(expected, rel=1e-12)
 
 
-@pytest.mark.parametrize(("text", "corners"), [("1e8 1/m^3", 2), ("1e8 1/m^2", 3)])
+@pytest.mark.parametrize(("text", "corners"), [("1e8 1/m^3", 2), ("1e8 1/m^2", 3), ("1 fmol/L", 2)])
 def test_a_concentration_of_another_dimension_is_refused(text, corners):
     with pytest.raises(SceneError, match=r"openings\[0\].concentration"):
         opening(text, corners)
 
 
-@pytest.mark.parametrize("text", ["1 nM", "100 per mL", "100 mL", "1e6"])
+@pytest.mark.parametrize("text", ["1 nM", "1 mol", "100 per mL", "100 mL", "1e6"])
 @pytest.mark.parametrize("corners", [2, 3])
 def test_a_concentration_in_no_fitting_unit_is_refused_with_that_of_each_dimension(text, corners):
     with pytest.raises(SceneError, match=r"concentration: got '.*'100 1/mm\^2' in 2D, or 1/m\^3 in 3D"):
