@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 import tomllib
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path as File
 from typing import Any, NamedTuple
 
@@ -69,6 +69,8 @@ def assembled(raw: dict[str, Any], folder: File) -> tuple[Scene | None, list[tup
     """The scene of plain data with the contents of its files, and all faults."""
     name_liquid(raw)
     started = any(key in raw for key in SOURCES)
+    tank = raw.get("tank")
+    drawn = isinstance(tank, dict) and OUTLINE in tank
     dry = sources_followed(raw, folder)
     rows = rows_from(raw, folder)
     if rows.plain and not rows.faults:
@@ -79,8 +81,20 @@ def assembled(raw: dict[str, Any], folder: File) -> tuple[Scene | None, list[tup
     # A scene without its rows has no floats, and a region without its file has no shape: these count as faults of the
     # files only.
     excused = {path[:-1] or ("fluid",) for path, _ in dry} | ({("particles",)} if rows.faults else set())
+    if drawn:
+        excused |= {("tank", "high")} if any(path[0] == "tank" for path, _ in dry if path) else set()
+        found = [(_in_tank(path, raw), message) for path, message in found]
     faults = dry + rows.faults + rows.with_origins([fault for fault in found if fault[0] not in excused])
     return (None if faults else scene), faults
+
+
+OUTLINE = "outline_from"
+
+
+def _in_tank(path: Path, raw: Mapping[str, Any]) -> Path:
+    """The path of a fault; those of the solid that a drawn tank is, the last obstacle, are faults of its drawing."""
+    last = len(raw.get("obstacles", [])) - 1
+    return ("tank", OUTLINE) if path[:2] == ("obstacles", last) else path
 
 
 def located(error: SceneError, path_or_text: str | File, overrides: Sequence[str] = ()) -> SceneError:

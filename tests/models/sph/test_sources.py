@@ -1,5 +1,7 @@
 """Liquid from tables, drawings and other runs is the liquid that they describe."""
 
+import io
+
 import numpy as np
 import pytest
 from hypothesis import given
@@ -254,6 +256,53 @@ def test_a_dxf_outline_is_a_polygon_in_the_drawing_s_unit(tmp_path):
     drawing.saveas(tmp_path / "block.dxf")
     with pytest.raises(SceneError, match="has 2 closed outlines; expected one"):
         liquid(written(tmp_path, 'outline_from = "block.dxf"'))
+
+
+TANK = """model = "sph"
+duration = "0.1 s"
+frame_every = "0.1 s"
+spacing = "1 cm"
+[tank]
+outline_from = "tank.dxf"
+[liquid]
+maximum_speed = "1 m/s"
+[[fluid]]
+low = ["2 cm", "2 cm"]
+high = ["8 cm", "5 cm"]
+"""
+
+
+def drawing_of(corners):
+    ezdxf = pytest.importorskip("ezdxf")
+    drawing, text = ezdxf.new(units=ezdxf.units.CM), io.StringIO()
+    drawing.modelspace().add_lwpolyline(corners, close=True)
+    drawing.write(text)
+    return text.getvalue()
+
+
+@pytest.mark.parametrize(
+    ("changed", "says"),
+    [
+        (lambda text: "solid part", "cannot be read as DXF: it does not begin as a drawing, with a section"),
+        (lambda text: text[: len(text) // 2], "cannot be read as DXF: DXFStructureError: missing"),
+        (lambda text: drawing_of([(0, 0), (20, 10), (20, 0), (0, 10)]), "enclose no area"),
+        (lambda text: None, "does not exist"),
+    ],
+)
+def test_a_fault_of_a_drawn_tank_is_one_line_at_its_key(tmp_path, changed, says):
+    """It came with a second fault, of the missing tank.high, or as that of an obstacle that nobody wrote."""
+    (tmp_path / "scene.toml").write_text(TANK)
+    text = drawing_of([(0, 0), (20, 0), (20, 10), (0, 10)])
+    (tmp_path / "tank.dxf").write_text("\ufeff" + text.replace("\r\n", "\n"), newline="\r\n")
+    assert ecume.load_scene(tmp_path / "scene.toml").tank.high == pytest.approx((0.24, 0.14))
+    new = changed(text)
+    (tmp_path / "tank.dxf").write_text(new) if new is not None else (tmp_path / "tank.dxf").unlink()
+    with pytest.raises(SceneError) as caught:
+        ecume.load_scene(tmp_path / "scene.toml")
+    (fault,) = caught.value.faults
+    assert (fault.path, fault.line) == ("tank.outline_from", 6)
+    assert says in fault.message
+    assert "outline.dxf" not in fault.message  # our copy of the file
 
 
 def test_without_the_library_a_drawing_is_refused_with_the_way_out(tmp_path, monkeypatch):

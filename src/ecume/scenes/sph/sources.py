@@ -6,6 +6,7 @@ other files.
 
 from __future__ import annotations
 
+import codecs
 import io
 import itertools
 import math
@@ -388,7 +389,7 @@ def _vertices(content: bytes, unit: object) -> list[list[float]]:
         lines = _joined([[(point.x, point.y) for point in each.flattening(_fine(each))] for each in paths if len(each)])
         meters = _library("ezdxf.units").conversion_factor(drawing.units, METERS) if drawing.units else 1.0
     except Exception as fault:  # any exception of the library means that the file is not a drawing
-        raise ValueError(f"cannot be read as DXF: {type(fault).__name__}: {fault}") from None
+        raise ValueError(f"cannot be read as DXF: {_fault_of_dxf(fault)}") from None
     if len(lines) != 1:
         ends = "; lines count as one outline where their ends meet" if not lines and paths else ""
         raise ValueError(f"has {len(lines)} closed outlines; expected one per file{ends}")
@@ -447,8 +448,16 @@ def _drawing(ezdxf: Any, content: bytes) -> Any:
     """The drawing in the bytes of a DXF file, text or binary."""
     with tempfile.TemporaryDirectory() as folder:  # the library detects the encoding only of files
         copy = Folder(folder) / "outline.dxf"
-        copy.write_bytes(content)
+        copy.write_bytes(content.removeprefix(codecs.BOM_UTF8))
         return ezdxf.readfile(str(copy))
+
+
+def _fault_of_dxf(fault: Exception) -> str:
+    """What the library says, without the name of our copy."""
+    if isinstance(fault, OSError):
+        return "it does not begin as a drawing, with a section"
+    name = type(fault).__name__
+    return f"{name}: {str(fault).removeprefix(f'{name}: ')}"
 
 
 CORNERS = 3
