@@ -95,6 +95,8 @@ TOGETHER = [
     ("waves", "friction"),
     ("waves", "friction", "overdamped"),
     ("waves", "multipole"),
+    ("dish in motion", "rk4"),
+    ("fast drag", "stormer-verlet"),
     ("shapes", "waves"),
     ("shapes", "barrier"),
     ("shapes", "periodic cell"),

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from tests.models.floating.bowls import HEAVY, WATER, scene_of
 
+from ecume.models.floating.time_integration import integrators
 from ecume.models.floating.time_integration.integrators import INTEGRATORS, _row, predict_runge_kutta
 from ecume.simulation import simulate
 
@@ -49,7 +50,8 @@ def test_an_option_acts_as_with_velocity_verlet(integrator, capability):
 
 @pytest.mark.parametrize("capability", OPTIONS)
 def test_a_claim_that_is_false_is_noticed(capability, monkeypatch):
-    """The classical Runge-Kutta scheme ignores both options."""
+    """The classical Runge-Kutta scheme has no drag by speed, and here no force of the dish."""
+    monkeypatch.setattr(integrators, "add_dish_force", lambda parameters, time, force: None)
     boastful = dataclasses.replace(INTEGRATORS["rk4"], gives=INTEGRATORS["rk4"].gives | {capability})
     monkeypatch.setitem(INTEGRATORS, "rk4", boastful)
     with pytest.raises(AssertionError):

@@ -44,7 +44,7 @@ CAPABILITIES: dict[str, tuple[str, str]] = {
     "charges": ("pair law", "a pair law that is the superposition of menisci"),
     "kicks at the ends": ("integrator", "an integrator whose forces act at the ends of a step"),
     "fast drag": ("integrator", "an integrator whose kicks solve drag exactly, with inertia"),
-    "sways": ("integrator", "an integrator whose kicks act at the ends of a step"),
+    "sways": ("integrator", "an integrator that includes the motion of the dish"),
     "kicks spins": ("integrator", "an integrator whose kicks change spins, too"),
     "takes noise": ("integrator", "an integrator whose order does not rest on smooth forces"),
     "keeps inertia": ("integrator", "an integrator with inertia"),

@@ -93,17 +93,35 @@ def power_of_current(parameters: Parameters, state: State, midstep_velocity: Arr
     return power
 
 
+@compiled_inside
+def motion_of_dish(parameters: Parameters, axis: int, time: float) -> tuple[float, float]:
+    """The velocity of the dish along an axis, and its acceleration, which does not act on floats without inertia."""
+    sway = parameters.drift.sway
+    speed = sway.velocity[axis] + sway_velocity(sway.amplitude[axis], sway.turning, time)
+    change = sway_acceleration(sway.amplitude[axis], sway.turning, time)
+    return speed, change if parameters.scheme.inertia else 0.0
+
+
+@compiled
+def add_dish_force(parameters: Parameters, time: float, force: Array) -> None:
+    """Add the forces on floats in the frame of a moving dish."""
+    floats, sway = parameters.floats, parameters.drift.sway
+    for axis in range(2 if sway.moves else 0):
+        speed, change = motion_of_dish(parameters, axis, time)
+        for i in range(len(force)):
+            friction = floats.mass[i] / floats.relaxation_time[i]
+            force[i, axis] += left_behind(floats.mass[i], friction, change, speed, sway.slip)
+
+
 @compiled
 def power_of_dish(parameters: Parameters, midstep_velocity: Array, time: float) -> float:
     """The power of a moving dish, in its frame (W)."""
-    mass, relaxation, sway = parameters.floats.mass, parameters.floats.relaxation_time, parameters.drift.sway
+    mass, relaxation, slip = parameters.floats.mass, parameters.floats.relaxation_time, parameters.drift.sway.slip
     power = 0.0
     for axis in range(2):
-        speed = sway.velocity[axis] + sway_velocity(sway.amplitude[axis], sway.turning, time)
-        change = sway_acceleration(sway.amplitude[axis], sway.turning, time)
-        change = change if parameters.scheme.inertia else 0.0
+        speed, change = motion_of_dish(parameters, axis, time)
         for i in range(len(mass)):
-            pulled = left_behind(mass[i], mass[i] / relaxation[i], change, speed, sway.slip)
+            pulled = left_behind(mass[i], mass[i] / relaxation[i], change, speed, slip)
             power += midstep_velocity[i, axis] * pulled
     return power
 
@@ -150,7 +168,8 @@ def kick_floats(part: Any, parameters: Parameters, state: State, force: Array, a
     """Apply a kick with the drag law of the scene and a moving dish, `ahead` steps later."""
     if parameters.drift.thickness > 0.0:
         # The forces are those at the beginning of a step, or at its end after the drift.
-        apply_nonlinear_kick(parameters, state, force, (state.step[0] + int(ahead)) * parameters.time_step)
+        now = (state.step[0] + int(ahead)) * parameters.time_step
+        apply_nonlinear_kick(parameters, state.position, state.velocity, force, now)
     else:
         apply_kick(parameters.kick, state.velocity, force)
     move_dish(part, parameters, state, ahead)
@@ -166,24 +185,23 @@ def add_dish_motion(part: Any, parameters: Parameters, state: State, ahead: floa
     time = (state.step[0] + ahead) * parameters.time_step
     sway, floats, gain, velocity = parameters.drift.sway, parameters.floats, parameters.kick.gain, state.velocity
     for axis in range(2):
-        speed = sway.velocity[axis] + sway_velocity(sway.amplitude[axis], sway.turning, time)
-        change = sway_acceleration(sway.amplitude[axis], sway.turning, time)
-        change = change if parameters.scheme.inertia else 0.0
+        speed, change = motion_of_dish(parameters, axis, time)
         for i in range(velocity.shape[0]):
             friction = floats.mass[i] / floats.relaxation_time[i]
             velocity[i, axis] += gain[i] * left_behind(floats.mass[i], friction, change, speed, sway.slip)
 
 
 @compiled
-def apply_nonlinear_kick(parameters: Parameters, state: State, force: Array, now: float) -> None:
+def apply_nonlinear_kick(parameters: Parameters, position: Array, velocity: Array, force: Array, now: float) -> None:
     """Apply a kick with a drag coefficient that depends on the speed at the beginning of the kick; `now` is the time
     of the forces (s).
     """
-    floats, velocity = parameters.floats, state.velocity
+    floats, along, across = parameters.floats, 0.0, 0.0
     time = 0.5 * parameters.time_step if parameters.scheme.half_kicks else parameters.time_step
     for i in range(force.shape[0]):
         friction = floats.mass[i] / floats.relaxation_time[i]
-        along, across = current_at(parameters.drift, now, state.position[i, 0], state.position[i, 1])
+        if parameters.drift.flows:
+            along, across = current_at(parameters.drift, now, position[i, 0], position[i, 1])
         speed = math.sqrt((velocity[i, 0] - along) ** 2 + (velocity[i, 1] - across) ** 2)
         faster = schiller_naumann_factor(2.0 * floats.radius[i] * speed * parameters.drift.thickness)
         decay = math.exp(-time * faster / floats.relaxation_time[i])
@@ -301,6 +319,7 @@ def predict_runge_kutta(
     clear(midstep_velocity)
     clear(rate)
     copy_rows(push, workspace.force)
+    add_dish_force(parameters, state.step[0] * time, push)
     copy_rows(velocity, state.velocity)
     for stage in range(4):
         if stage > 0:
@@ -311,6 +330,7 @@ def predict_runge_kutta(
             advance_rows(velocity, slope, ahead)
             set_clock(scratches, state.step[0] * time + ahead)
             evaluate(parts, scratches, parameters, position, workspace.lists, push)
+            add_dish_force(parameters, state.step[0] * time + ahead, push)
         accelerate(parameters, velocity, push, slope)
         weight = 1.0 / 6.0 if stage in (0, 3) else 1.0 / 3.0
         advance_rows(midstep_velocity, velocity, weight)
@@ -329,9 +349,14 @@ def predict_stoermer(
     copy_rows(midstep_velocity, state.velocity)
     copy_rows(middle, state.position)
     advance_rows(middle, state.velocity, 0.5 * parameters.time_step)
-    set_clock(scratches, (state.step[0] + 0.5) * parameters.time_step)
+    now = (state.step[0] + 0.5) * parameters.time_step
+    set_clock(scratches, now)
     evaluate(parts, scratches, parameters, middle, workspace.lists, workspace.force)
-    apply_kick(parameters.kick, state.velocity, workspace.force)
+    add_dish_force(parameters, now, workspace.force)
+    if parameters.drift.thickness > 0.0:
+        apply_nonlinear_kick(parameters, middle, state.velocity, workspace.force, now)
+    else:
+        apply_kick(parameters.kick, state.velocity, workspace.force)
     average_rows(midstep_velocity, state.velocity)
 
 
@@ -478,7 +503,7 @@ INTEGRATORS = {
     "stormer-verlet": _row(
         "stormer-verlet",
         Scheme(half_kicks=False, inertia=True, drifts_first=False, contacts_at_end=True, forces_at_end=False),
-        frozenset({"keeps inertia", "takes noise"}),
+        frozenset({"keeps inertia", "takes noise", "sways", "fast drag"}),
         constants=Stoermer, predict=predict_stoermer, finish=finish_stoermer,
     ),
     "semi-implicit-euler": _row(
@@ -489,7 +514,7 @@ INTEGRATORS = {
     "rk4": _row(
         "rk4",
         Scheme(half_kicks=False, inertia=True, drifts_first=False, contacts_at_end=True, forces_at_end=True),
-        frozenset({"keeps inertia"}),
+        frozenset({"keeps inertia", "sways"}),
         constants=RungeKutta, predict=predict_runge_kutta, finish=None, drag_limit=2.0,
     ),
     "overdamped": _row(
