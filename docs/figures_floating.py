@@ -4,13 +4,18 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 from matplotlib.figure import Figure
+from matplotlib.patches import Circle
 
 from ecume._quick import sized
 from ecume.laws import capillarity, drag, flotation, immersion, meniscus, multipole
+from ecume.models.floating.dishes import behind_barrier, field_of
+from ecume.scenes.schema import from_plain
 from ecume.show.style import INK, MUTED, PALETTE, figure
+from ecume.simulation import simulate
 
 WATER = flotation.Liquid(density=998.0, surface_tension=0.0728, viscosity=1e-3)
 L = WATER.capillary_length
@@ -170,7 +175,50 @@ def excess_of(bond: float, degrees: float, gap: float) -> float:
     return -100.0 * (float(force) / capillarity.pair_force(distance, strength, L) + 1.0)
 
 
+def dishes() -> Figure:
+    """The surface in an elliptic dish, and a round wall that closes around beads, with its pressure."""
+    drawn = figure(10.0, 3.4)
+    left, middle, right = drawn.subplots(1, 3)
+    oval = scene_of({"size": [0.04, 0.02], "shape": "ellipse"}, [[0.0, 0.0]])
+    x, y = np.linspace(-0.02, 0.02, 161), np.linspace(-0.01, 0.01, 81)
+    height = 1e3 * field_of(oval.dish, WATER, x, y)
+    height[np.hypot(x / 0.02, y[:, None] / 0.01) > 1.0] = np.nan
+    shown = left.contourf(1e3 * x, 1e3 * y, height, 12, cmap="Blues")
+    drawn.colorbar(shown, ax=left, orientation="horizontal", label="height (mm)")
+    left.set(xlabel="x (mm)", ylabel="y (mm)", aspect="equal", title="Ellipse, wall at 45°")
+    angle = np.pi * (3.0 - math.sqrt(5.0)) * np.arange(60)
+    places = 2.3e-3 * np.sqrt(np.arange(60))[:, None] * np.column_stack([np.cos(angle), np.sin(angle)])
+    barrier = {"side": "all", "velocity": 3e-3, "stop": 0.0115}
+    scene = scene_of({"radius": 0.02, "law": "none", "restitution": 0.0, "barrier": barrier}, places.tolist())
+    frames = list(simulate(scene))
+    for frame, color in ((frames[0], MUTED), (frames[-1], PALETTE[0])):
+        parts = behind_barrier(scene.dish, frame.numbers["barrier_position"])
+        edge = np.array([part[1] for part in parts] + [parts[0][1]])
+        middle.plot(*(1e3 * edge.T), color=color)
+    for bead in 1e3 * frames[-1].arrays["position"]:
+        middle.add_patch(Circle(bead, 1.0, color=PALETTE[0], alpha=0.6))
+    middle.set(xlabel="x (mm)", ylabel="y (mm)", aspect="equal", title="A wall that closes")
+    covered = [60.0 * math.pi * 1e-6 / (math.pi * (0.02 - f.numbers["barrier_position"]) ** 2) for f in frames[1:]]
+    right.plot(covered, [1e6 * f.numbers["surface_pressure"] for f in frames[1:]], color=PALETTE[1])
+    right.set(
+        xlabel="share of the area", ylabel="surface pressure (µN/m)", yscale="log", xlim=(0.4, 0.8), ylim=(1.0, None)
+    )
+    right.set_title("Pressure of the beads")
+    return drawn
+
+
+def scene_of(dish: dict[str, Any], places: list[list[float]]) -> Any:
+    """Overdamped beads of 1 mm in a dish."""
+    bead = {"radius": 1e-3, "density": 600.0, "contact_angle": 1.2, "positions": places}
+    return from_plain({
+        "model": "floating", "duration": sized(4.0, 0.2), "frame_every": 0.05, "particles": [bead], "dish": dish,
+        "liquid": {"density": 998.0, "surface_tension": 0.0728, "viscosity": 1e-3}, "contacts": {"restitution": 0.0},
+        "hydrodynamics": {"drag": "stokes"}, "integration": {"integrator": "overdamped"},
+    })  # fmt: skip
+
+
 FIGURES: dict[str, Callable[[], Figure]] = {
+    "dishes": dishes,
     "bodies": bodies,
     "images": wall_images,
     "pair-drag": pair_drag,

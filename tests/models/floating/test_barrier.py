@@ -228,6 +228,19 @@ def test_a_packed_raft_stops_the_barrier_before_it_is_squeezed(integrator):
     assert last.numbers["largest_speed"] < 1e-9
 
 
+@pytest.mark.parametrize(("bent", "late"), [(1e-3, True), (0.2, False)])
+def test_a_chain_snaps_aside_without_overlap_and_the_barrier_is_late_if_it_would_jump(bent, late):
+    """The middle of a chain that is nearly straight would jump over several radii in one step."""
+    row = [[0.019, 0.0], [0.017, bent * RADIUS], [0.015, 0.0]]
+    scene = trough(row, barrier={"start": 0.0339}, duration=0.1, frame_every=0.002)
+    frames = list(simulate(scene))
+    assert max(frame.numbers["largest_overlap"] for frame in frames) < 1e-3 * RADIUS
+    assert frames[-1].numbers["barrier_stopped"] == 0.0
+    assert frames[-1].arrays["position"][1, 1] > 0.5 * RADIUS
+    missing = max(0.0339 + f.time * SPEED - f.numbers["barrier_position"] for f in frames)
+    assert (missing > 1e-6) == late
+
+
 def test_a_barrier_stops_at_the_pressure_that_a_scene_gives():
     drag = 3.0 * friction_of(trough(row_of_floats(3))) * SPEED / 0.02
     for largest, stops in ((0.9 * drag, 1.0), (1.1 * drag, 0.0)):

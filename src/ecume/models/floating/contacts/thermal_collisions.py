@@ -19,8 +19,8 @@ are a quarter too frequent.
 Floats that interact through the liquid: a collision moves the two floats with the mobilities of the pair, or the one
 at a wall, and the flow moves all others that could touch something in this step, before they collide. Only then are
 collisions elastic for all floats together, with the mobility matrix in place of masses. Of more than `MOST_CARRIED`
-floats, the flow moves at once only those that could touch the colliding ones. The mean forces of all collisions then
-move the other floats; new contacts among these are solved as impulses at the end of the step.
+floats, the flow moves at once only those within `CARRIED_WITHIN` radii of the colliding ones. The mean forces of all
+collisions then move the other floats; new contacts among these are solved as impulses at the end of the step.
 """
 
 from __future__ import annotations
@@ -49,8 +49,11 @@ MOST_HITS = 12
 """Collisions of a float in one step; with more it is in lasting contact."""
 
 MOST_CARRIED = 1000
-"""The largest number of floats of which each collision moves all, by the flow of its force, before others collide. Of
-more floats it moves at once those that could touch its own.
+"""The largest number of floats of which each collision moves all, by the flow of its force, before others collide."""
+
+CARRIED_WITHIN = 20.0
+"""The distance, over the largest radius, up to which a collision moves others of more floats at once. Its two forces
+are opposite, and their flow decays with the square of the distance.
 """
 
 LASTING = 1.0
@@ -245,10 +248,9 @@ def collide_in_interval(
         meetings.met[row], number = 1, number + 1
         moved = meetings.changed, meetings.last
         changes = bodies_of(contacts, row, moved, number)
-        if 0 < len(flow.radius) <= MOST_CARRIED:
-            changes = add_all_bodies(around, moved, number, changes)
-        elif len(flow.radius) > 0:
-            changes = add_bodies_around(contacts, around, row, moved, number, changes)
+        if len(flow.radius) > 0:
+            reach = np.inf if len(flow.radius) <= MOST_CARRIED else CARRIED_WITHIN * flow.radius.max()
+            changes = add_bodies_within(reach, state.position, contacts, row, around, moved, number, changes)
         if lasts(parameters, contacts, paths, row, given, interval.length):
             for place in range(2 if contacts.second[row] < count else 1):
                 paths.lasting[meetings.changed[place]] = 1
@@ -289,35 +291,29 @@ def bodies_of(contacts: Contacts, row: int, found: tuple[Integers, Integers], me
 
 
 @compiled
-def add_bodies_around(
+def add_bodies_within(
+    reach: float,
+    position: Array,
     contacts: Contacts,
-    around: tuple[Integers, Integers],
     row: int,
+    around: tuple[Integers, Integers],
     found: tuple[Integers, Integers],
     meetings: int,
     total: int,
 ) -> int:
-    """Add all floats that have a contact with those of this one to the list of `bodies_of`. Returns their number."""
-    (changed, last), (first, rows), count = found, around, len(found[0])
-    for one in (contacts.first[row], contacts.second[row]):
-        for place in range(first[one], first[one + 1]) if one < count else range(0):
-            for other in (contacts.first[rows[place]], contacts.second[rows[place]]):
-                if other < count and last[other] != meetings:
+    """Add all floats that have a contact and whose centers are within `reach` of those of this one to the list of
+    `bodies_of`. Returns their number.
+    """  # fmt: skip
+    (changed, last), first, count = found, around[0], len(found[0])
+    for other in range(count):
+        if last[other] == meetings or first[other + 1] == first[other]:
+            continue
+        for one in (contacts.first[row], contacts.second[row]):
+            if one < count and last[other] != meetings:
+                x, y = position[other, 0] - position[one, 0], position[other, 1] - position[one, 1]
+                if x * x + y * y < reach * reach:
                     changed[total], last[other] = other, meetings
                     total += 1
-    return total
-
-
-@compiled
-def add_all_bodies(
-    around: tuple[Integers, Integers], found: tuple[Integers, Integers], meetings: int, total: int
-) -> int:
-    """Add all floats that have a contact to the list of `bodies_of`. Returns their number."""
-    (changed, last), first = found, around[0]
-    for other in range(len(changed)):
-        if last[other] != meetings and first[other + 1] > first[other]:
-            changed[total], last[other] = other, meetings
-            total += 1
     return total
 
 
