@@ -45,6 +45,14 @@ def test_a_random_scene_with_further_options_runs_to_its_end(seed):
 
 @pytest.mark.long
 @PLAIN
+def test_floats_that_waves_press_between_others_do_not_pass_through_one_another():
+    """Seed 935: forces alone would carry Brownian floats past each other in a step, but for their lasting contacts."""
+    scene, _ = drawn(935, 20, 2)
+    deepest = [frame.numbers["deepest_overlap"] / frame.arrays["radius"].min() for frame in simulate(scene)]
+    assert deepest[-1] < 0.02
+
+
+@PLAIN
 @pytest.mark.parametrize(("share", "reported"), [(1e-7, False), (1e-4, True)])
 def test_energy_of_far_quadrupoles_may_rise_by_rounding_only(share, reported):
     """The first frames of seed 269: its energy rises and falls by 4e-8 of itself."""

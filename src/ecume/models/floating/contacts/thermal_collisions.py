@@ -62,6 +62,11 @@ LASTING = 1.0
 SOFTLY = 0.35
 """The target of this ratio in the intervals of a step, unless that requires too many of them."""
 
+SIDEWAYS = 3.0
+"""The largest displacement along a lasting contact, over the standard deviation of that by noise, that may add to its
+gap: forces that press a float between others push it far along its contacts, which stop it.
+"""
+
 MOST_INTERVALS = 8
 """The largest number of intervals of a step."""
 
@@ -528,7 +533,7 @@ def require_distances(
     """Set the bounds of the relative velocities of all contacts, from the velocities after the collisions. In lasting
     contacts they lead to the gaps of reflected motions; in others, the floats do not overlap at the end.
     """
-    time, count = parameters.time_step, len(parameters.floats.radius)
+    time, radius, count = parameters.time_step, parameters.floats.radius, len(parameters.floats.radius)
     touching.normal_velocities(contacts, velocity, contacts.scratch)
     for row in range(contacts.total[0]):
         i, j, gap = contacts.first[row], contacts.second[row], max(contacts.gap[row], 0.0)
@@ -538,6 +543,9 @@ def require_distances(
         variance = 2.0 * parameters.drift.thermal * (share[row, 0] + share[row, 1]) * time
         after, ahead, across = free_gap(parameters, state, contacts, row, velocity)
         moved = time * contacts.scratch[row]
+        if pressed and j < count:
+            across = min(abs(across), SIDEWAYS * math.sqrt(variance))
+            after = (math.hypot(ahead, across) if ahead > 0.0 else ahead) - radius[i] - radius[j]
         # Beyond this, paths meet with a probability below exp(-40).
         if pressed and (after <= 0.0 or gap * after < 20.0 * variance):
             draw = uniforms(counter_of_pair(int(i), int(j), int(state.step[0]), 0), parameters.drift.seed)[0]
@@ -547,7 +555,7 @@ def require_distances(
         else:
             contacts.bound[row] = min(contacts.bound[row], contacts.scratch[row])
             continue
-        if ahead > 0.0:
+        if j < count:
             # The displacement along the normal that leads to this gap, given the tangential displacement.
             target = end + ahead - moved - contacts.gap[row]
             contacts.bound[row] = (math.sqrt(max(target**2 - across**2, 0.0)) - ahead + moved) / time
