@@ -15,6 +15,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import PathPatch, Polygon, Rectangle
 from matplotlib.transforms import Affine2D
 
+from ecume._quick import sized
 from ecume.models.sph.setup.initial_particles import cells_of, unaligned_solids
 from ecume.models.sph.setup.packing import packed, unevenness
 from ecume.models.sph.setup.shapes import obstacle_dummies, shape_of
@@ -412,7 +413,39 @@ def packing() -> Figure:
     return drawn
 
 
+def roll() -> Figure:
+    """A channel that starts from rest, and a tank that rolls, in its own frame."""
+    drawn = figure(11.0, 2.9)
+    flux, rolls, sensor = drawn.subplots(1, 3, width_ratios=(1.0, 1.5, 1.0))
+    channel = {
+        **pool(4.0, 1.0), "duration": sized(16.0, 2.0), "frame_every": 0.25, "spacing": 0.2,
+        "liquid": {**WATER, "sound_speed": 14.0},
+        "tank": {"high": [4.0, 1.0], "left": {"kind": "inflow", "speed": 0.2}, "right": {"kind": "outflow"}},
+    }  # fmt: skip
+    frames = simulated(channel)
+    times = [frame.time for frame in frames]
+    flux.plot(times, [frame.arrays["velocity"][:, 0].mean() / 0.2 for frame in frames], label="mean velocity / inflow")
+    flux.plot(times, [len(frame.arrays["mass"]) / len(frames[0].arrays["mass"]) for frame in frames], label="particles")
+    flux.axhline(1.0, color=MUTED, linewidth=0.8)
+    flux.set(xlabel="time", title="A channel from rest")
+    flux.legend()
+    width, turn = 9.7, {"amplitude": 0.07, "frequency": sized(0.0597, 0.2)}
+    gauge = {"name": "sensor", "position": [0.0, 1.0]}
+    rolling = {
+        **pool(width, 1.0), "duration": sized(25.0, 2.0), "frame_every": 0.25, "spacing": sized(0.125, 0.25),
+        "roll": turn, "gauges": [gauge],
+    }  # fmt: skip
+    frames = simulated(rolling)
+    pressures = [frame.numbers["sensor_pressure"] for frame in frames]
+    by_speed(rolls, rolling, frames[int(np.argmax(pressures))], 1.0, (width, 2.0))
+    rolls.set_title("A tank that rolls, in its frame: speed at the impact")
+    sensor.plot([frame.time for frame in frames], pressures)
+    sensor.set(xlabel="time", title="Pressure at the left wall / ρgH")
+    return drawn
+
+
 FIGURES: dict[str, Callable[[], Figure]] = {
+    "sph-roll": roll,
     "sph-packing": packing,
     "sph-sides": sides,
     "sph-pulls": pulls,

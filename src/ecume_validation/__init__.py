@@ -159,6 +159,7 @@ CASES: dict[str, Case] = {
         _case("tank-schemes", "The tank at rest with other walls and kernels: what holds, what fails", long=True),
         _case("random-tanks", "Still water beside discs, balls and slanted surfaces in random tanks", long=True),
         _case("dam-break", "Dam breaks, against other codes' fronts and pressures and three experiments", long=True),
+        _case("rolling-tank", "Impacts of water in a tank that rolls, beside an experiment (SPHERIC 10)", long=True),
         _case("dam-break-obstacle", "A dam break in 3D against a box, beside an experiment", long=True),
         _case(
             "incompressible",
