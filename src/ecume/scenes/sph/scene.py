@@ -439,19 +439,18 @@ def _dimensions(scene: SphScene, dimension: int) -> Complaints:
 
 def _formula_faults(scene: SphScene) -> Complaints:
     """The faults of formulas of motions over the duration of the run."""
-    found: Complaints = []
-    for name in scene.sides:
-        side = getattr(scene.tank, name)
-        texts = (side.motion.formula,) if side.motion is not None and side.motion.formula else ()
-        found += [(("tank", name, "motion"), fault) for fault in formula_faults(texts, scene.duration, from_zero=True)]
-    for index, body in enumerate(scene.bodies):
-        texts = body.motion.formulas() if body.motion is not None else ()
-        found += [(("bodies", index, "motion"), one) for one in formula_faults(texts, scene.duration, from_zero=True)]
+    sides = {name: getattr(scene.tank, name).motion for name in scene.sides}
+    moved: list[tuple[Path, tuple[str, ...]]] = [
+        (("tank", name, "motion"), (motion.formula,)) for name, motion in sides.items() if motion and motion.formula
+    ]
+    moved += [
+        (("bodies", index, "motion"), body.motion.formulas()) for index, body in enumerate(scene.bodies) if body.motion
+    ]
     if scene.roll is not None and scene.roll.formula:
-        texts = (scene.roll.formula,)
-        found += [(("roll", "formula"), one) for one in formula_faults(texts, scene.duration, from_zero=True)]
-    texts = scene.base_excitation.formula if scene.base_excitation is not None else ()
-    return found + [(("base_excitation",), one) for one in formula_faults(texts, scene.duration, from_zero=False)]
+        moved.append((("roll", "formula"), (scene.roll.formula,)))
+    pulled = scene.base_excitation.formula if scene.base_excitation is not None else ()
+    found = [(path, text) for path, texts in moved for text in formula_faults(texts, scene.duration, from_zero=True)]
+    return found + [(("base_excitation",), text) for text in formula_faults(pulled, scene.duration, from_zero=False)]
 
 
 LEAST_SIDE, LEAST_BODY = 0.5, 0.1

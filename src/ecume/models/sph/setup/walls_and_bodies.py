@@ -606,12 +606,12 @@ def _drive(spec: MotionSpec | BaseExcitationSpec | RollSpec, amplitude: object, 
         texts = (spec.formula,) if isinstance(spec.formula, str) else spec.formula
         none = np.zeros(len(texts))
         return Drive(none, 0.0, 0.0, 0.0, np.zeros(1), none[:, None], texts)
-    if spec.frequency is None or amplitude is None:
+    if amplitude is None and not isinstance(spec, RollSpec):
         return Drive(np.zeros(1), 0.0, 0.0, 0.0, np.array(spec.times), np.atleast_2d(np.array(values).T))
     height = np.atleast_1d(np.array(amplitude, np.float64))
     none = np.zeros((len(height), 1))
     start = origin * math.sin(spec.phase)
-    return Drive(height, 2.0 * math.pi * spec.frequency, spec.phase, start, np.zeros(1), none)
+    return Drive(height, 2.0 * math.pi * (spec.frequency or 0.0), spec.phase, start, np.zeros(1), none)
 
 
 def fastest_drive(scene: SphScene) -> float:
