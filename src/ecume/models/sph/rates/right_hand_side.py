@@ -19,6 +19,7 @@ from ecume.models.sph.boundaries.walls import brake_at_walls, repel_from_bodies,
 from ecume.models.sph.fields import number
 from ecume.models.sph.parameters import Parameters
 from ecume.models.sph.rates.corrections import CORRECTIONS
+from ecume.models.sph.rates.dummy_compression import taken_up, takes_up
 from ecume.models.sph.rates.fill_fields import fill_images, fill_liquid, fill_weights, read_liquid
 from ecume.models.sph.rates.gradients import DENSITY_GRADIENT, GRADIENT_DIFFUSION, set_viscosity
 from ecume.models.sph.rates.kernel_loops import require_kernel
@@ -112,6 +113,8 @@ def _sum_pressure(parameters: Parameters, workspace: Workspace) -> None:
 
 
 def _store_density_rate(parameters: Parameters, state: State, workspace: Workspace) -> None:
+    if takes_up(parameters):
+        workspace.rates.continuity[...] += taken_up(parameters, workspace, len(state.density))
     store_density_rate(state.density_rate, workspace.rates.table, state.density, parameters.pressure_force.by_mass)
     if parameters.fixed_volume:
         conserve_volume(state, workspace)

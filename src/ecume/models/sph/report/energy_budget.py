@@ -41,6 +41,7 @@ from ecume.models.sph.boundaries.touching_solids import power_on_bodies
 from ecume.models.sph.boundaries.walls import braked_by_wall, repelled_by_wall
 from ecume.models.sph.fields import FIELD, Constants, Floats
 from ecume.models.sph.parameters import Parameters
+from ecume.models.sph.rates.dummy_compression import taken_up, takes_up
 from ecume.models.sph.rates.fill_fields import fill_images
 from ecume.models.sph.rates.kernel_loops import slope_of
 from ecume.models.sph.state import RATE, WORK, State, Workspace, particle_arrays, put_dummies
@@ -332,7 +333,8 @@ def power_of_dummies(now: Parameters, state: State, workspace: Workspace) -> flo
 
     A pair of liquid i and dummy w changes the kinetic energy by w_i w_w F (P_i + P_w) x_iw.v_i and the elastic energy
     of i by w_i w_w F P_i x_iw.(v_w - v_i). Their sum is the force times v_w, plus w_i w_w F P_w x_iw.(v_i - v_w): the
-    dummy is compressed like liquid, but has no elastic energy.
+    dummy is compressed like liquid, but has no elastic energy. The liquid stores most of this work instead: see
+    `rates.dummy_compression`. The remainder is that of the weight of the liquid between, and of clipped pressures.
     """
     fields, lists, images, count = workspace.fields, workspace.lists, workspace.images, state.position.shape[1]
     real, d = len(lists.counts), now.dimension
@@ -349,7 +351,16 @@ def power_of_dummies(now: Parameters, state: State, workspace: Workspace) -> flo
         counted[(root < count) & (state.zone[np.minimum(root, count - 1)] > 0)] = 0.0
     power = np.zeros(real - count)
     dummy_powers(fields.table, counted, count, lists, now.constants, power)
-    return float(np.sum(power))
+    return float(np.sum(power)) + power_taken_up(now, state, workspace)
+
+
+def power_taken_up(now: Parameters, state: State, workspace: Workspace) -> float:
+    """The power (W) by which the liquid stores the compression of dummies, from filled fields."""
+    if not takes_up(now):
+        return 0.0
+    fields, count = workspace.fields, state.position.shape[1]
+    stored = (fields.weight * fields.force_term)[:count] * taken_up(now, workspace, count)
+    return float(np.sum(stored[state.zone == 0]))
 
 
 @spread
