@@ -93,7 +93,11 @@ def test_the_line_contains_injected_and_dissipated_energy(tmp_path: Path) -> Non
     for step, (total, work) in enumerate(((5.0, 0.0), (4.5, 2.5))):
         watch.take(0.1 * step, {**QUIET, "total_energy": total, "injected_work": work}, step)
     watch.keep()
-    assert summary_line(RunDirectory(tmp_path)) == "held: energy (0 of 0.1); injected 2.5 J, dissipated 3 J"
+    line = "held: energy (0 of 0.1); injected 2.5 J{}, dissipated 3 J"
+    assert summary_line(RunDirectory(tmp_path)) == line.format("")
+    watch.take(0.2, {**QUIET, "total_energy": 4.5, "injected_work": 2.5, "numerical_work": 0.5}, 2)
+    watch.keep()
+    assert summary_line(RunDirectory(tmp_path)) == line.format(" (0.5 J by the numerical method)")
 
 
 def test_each_model_has_something_to_hold() -> None:

@@ -15,6 +15,8 @@ Numbers = Mapping[str, float]
 ENERGY = "energy"
 INJECTED = "injected_work"
 """The name of the number with the injected work (J), in models with an energy budget."""
+NUMERICAL = "numerical_work"
+"""The name of the part of the injected work (J) that the numerical method does, in models that compute it."""
 DISSIPATED = "dissipated_work"
 """The name of the number with the dissipated energy (J), in models that compute it."""
 OWN = "energy_less_work"

@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
 
 from ecume.errors import Diverged
-from ecume.models.invariants import DISSIPATED, ENERGY, INJECTED, Invariant, NumberHistory, Numbers, with_own
+from ecume.models.invariants import DISSIPATED, ENERGY, INJECTED, NUMERICAL, Invariant, NumberHistory, Numbers, with_own
 from ecume.run.directory import RunDirectory, read, write
 from ecume.run.scalars import lines_of
 from ecume.trajectories.records import WATCH
@@ -16,6 +16,7 @@ POLICIES = ("warn", "stop")
 """Reactions to an invariant that a run violates."""
 BROKEN = "broken"
 WORKS = "injected", "dissipated"
+BY_METHOD = "by the numerical method"
 
 
 class Verdict(NamedTuple):
@@ -93,7 +94,8 @@ class Watch:
 
 def budget(first: Numbers, now: Numbers, *, closed: bool) -> dict[str, float | None]:
     """The energy budget (J; in 2D tanks J/m). Initial and injected energy that is no longer present was dissipated,
-    unless the energy budget already includes dissipation.
+    unless the energy budget already includes dissipation. A part of the injected energy may be that of the numerical
+    method.
 
     If a driven system has no energy budget, only the difference of injected and dissipated energy is known.
     """
@@ -101,8 +103,9 @@ def budget(first: Numbers, now: Numbers, *, closed: bool) -> dict[str, float | N
     injected = now.get(INJECTED, 0.0) - first.get(INJECTED, 0.0)
     lost = now[DISSIPATED] - first.get(DISSIPATED, 0.0) if DISSIPATED in now else injected - change
     apart = (injected, lost) if closed else (None, None)
+    by_method = {BY_METHOD: now[NUMERICAL] - first.get(NUMERICAL, 0.0)} if NUMERICAL in now else {}
     report = {"at the start": first["total_energy"], "now": now["total_energy"], "change": change}
-    return report | dict(zip(WORKS, apart, strict=True))
+    return report | by_method | dict(zip(WORKS, apart, strict=True))
 
 
 def sentence(one: Verdict) -> str:
@@ -130,8 +133,13 @@ def summary_line(home: RunDirectory) -> str:
 
 
 def _work(energy: Mapping[str, float | None], unit: str) -> str:
-    """The text `; injected 3e-06 J, dissipated 2e-06 J`, as far as these are known."""
+    """The text `; injected 3e-06 J (1e-06 J by the numerical method), dissipated 2e-06 J`, as far as these are
+    known.
+    """
     known = [f"{name} {energy[name]:.3g} {unit}" for name in WORKS if energy.get(name) is not None]
+    part = energy.get(BY_METHOD)
+    if known and part is not None and energy.get(WORKS[0]) is not None:
+        known[0] += f" ({part:.3g} {unit} {BY_METHOD})"
     return f"; {', '.join(known)}" if known else ""
 
 

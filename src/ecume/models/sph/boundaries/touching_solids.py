@@ -293,8 +293,14 @@ def _shared(now: Parameters, mine: Solid, least: dict[int, float], more: Load) -
 
 
 def _share(now: Parameters, gap: float) -> float:
-    """The weight of the integral at a smallest gap: one up to half a support, zero from a whole support on."""
-    return min(1.0, max(0.0, 2.0 - 2.0 * gap / now.support))
+    """The weight of the integral at a smallest gap."""
+    return float(share_at(now, np.array(gap)))
+
+
+def share_at(now: Parameters, gap: Array) -> Array:
+    """One up to a gap of half a support, zero from a whole support on."""
+    found: Array = np.clip(2.0 - 2.0 * gap / now.support, 0.0, 1.0)
+    return found
 
 
 def _portions(now: Parameters, weight: dict[int, float], axis: int) -> list[float]:

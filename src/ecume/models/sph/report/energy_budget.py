@@ -139,10 +139,6 @@ def has_external_work(parameters: Parameters) -> bool:
     return bool(has_numerical_work(parameters) or outside or may_lose_liquid(parameters))
 
 
-NUMERICAL = "numerical_work"
-"""The name of the part of the injected work that the numerical method does."""
-
-
 def has_numerical_work(parameters: Parameters) -> bool:
     """Whether density diffusion, the conservation of volume, dummies, or the correction of the density of an
     incompressible liquid do work.
@@ -359,7 +355,7 @@ def power_taken_up(now: Parameters, state: State, workspace: Workspace) -> float
     if not takes_up(now):
         return 0.0
     fields, count = workspace.fields, state.position.shape[1]
-    stored = (fields.weight * fields.force_term)[:count] * taken_up(now, workspace, count)
+    stored = (fields.weight * fields.force_term)[:count] * taken_up(now, state, workspace)
     return float(np.sum(stored[state.zone == 0]))
 
 

@@ -27,7 +27,16 @@ from ecume.laws.hydrostatics import hydrostatic_pressure
 from ecume.laws.kernels import kernel
 from ecume.laws.states import tait_pressure
 from ecume.laws.wall_forces import between_planes, covered_part, smeared
-from ecume.models.invariants import INJECTED, Invariant, NumberHistory, at_most, energy_never_rises, kept, part_of
+from ecume.models.invariants import (
+    INJECTED,
+    NUMERICAL,
+    Invariant,
+    NumberHistory,
+    at_most,
+    energy_never_rises,
+    kept,
+    part_of,
+)
 from ecume.models.sph.boundaries.forces_on_solids import loads
 from ecume.models.sph.boundaries.rigid_bodies import drive_at, with_moved_solids
 from ecume.models.sph.boundaries.touching_solids import exchanged_loads
@@ -45,7 +54,6 @@ from ecume.models.sph.rates.gradients import set_viscosity
 from ecume.models.sph.rates.right_hand_side import fill
 from ecume.models.sph.rates.surface_tension import surface_energy
 from ecume.models.sph.report.energy_budget import (
-    NUMERICAL,
     energies,
     has_external_work,
     has_numerical_work,
