@@ -15,7 +15,7 @@ third of the potential energy of a tank.
 
 Dummies of walls, obstacles and driven bodies take part near a free body, where they bound the gap that it closes; this
 is blended out where the distance from the body is between half a support and a whole one. Elsewhere their work remains
-work of the numerical method: liquid that slides along a wall compresses disordered dummies by chance. With C' at all
+work of the numerical method: liquid that slides along a wall compresses disordered dummies at random. With C' at all
 walls a cavity whose lid moves lost 7 % of its kinetic energy, and the front of a dam break was 10 % too fast.
 
 A dummy whose pressure is clipped to zero does no work, and its compression has no effect. The weight of the liquid
@@ -88,9 +88,10 @@ def apart_of(fields: Floats, i: int, j: int) -> tuple[float, float, float]:
 @compiled_inside
 def counted_as(fields: Floats, i: int, by_mass: bool) -> float:
     """The factor of a pressure in the power of a compression: V, or m/rho^2 of sums by mass."""
+    found: float = fields[FIELD.weight, i]
     if by_mass:
-        return fields[FIELD.weight, i] / (fields[FIELD.density, i] * fields[FIELD.density, i])
-    return fields[FIELD.weight, i]
+        found /= fields[FIELD.density, i] * fields[FIELD.density, i]
+    return found
 
 
 @spread
