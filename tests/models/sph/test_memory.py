@@ -37,7 +37,9 @@ def in_use(array):
 @pytest.mark.compiled
 @pytest.mark.parametrize(("template", "spacing"), [("dam-break", "7.5 mm"), ("dam-break-3d", "20 mm")])
 def test_check_counts_the_arrays_of_a_tank(template, spacing):
-    """State, tables and lists after the first evaluation, the frame, and what viewers read of it."""
+    """State, tables and lists after the first evaluation, positions while lists are made, the frame, and what viewers
+    read of it.
+    """
     scene = ecume.load_scene(TEMPLATES / f"{template}.toml", [f'spacing="{spacing}"'])
     parameters = SPH.parameters(scene)
     state = SPH.start(scene, parameters)
@@ -49,10 +51,11 @@ def test_check_counts_the_arrays_of_a_tank(template, spacing):
     of_sums = len(state.mass) * 8 * (parameters.dimension + 2) + tank.records.nbytes
     row = np.quantile(np.diff(tank.lists.start), 0.9)  # in the interior; rows at the surface are shorter
     lists = tank.lists.counts.nbytes + tank.lists.start.nbytes + 4.0 * row * len(state.mass)
+    made = (2 * 8 * parameters.dimension + 2 * 4) * tank.fields.shape[1]
     frame = SPH.observe(parameters, state, tank)
     viewed = sum(array.nbytes for name, array in chunks_of(frame, 0, header_of(frame, 0)).items() if "log" not in name)
     recorded = sum(array.nbytes for array in frame.arrays.values()) + viewed
-    found = of_state + in_use(tank.fields.table) + of_sums + lists + recorded
+    found = of_state + in_use(tank.fields.table) + of_sums + lists + made + recorded
     assert found / len(state.mass) == pytest.approx(bytes_per_particle(scene), rel=0.1)
 
 

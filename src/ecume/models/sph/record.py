@@ -159,7 +159,8 @@ INT32, DOUBLE = 4.0, 8.0
 
 def bytes_per_particle(scene: SphScene) -> float:
     """The memory per particle (bytes) of the arrays that are in use while a frame is written: state, tables, lists, and
-    the frame with its copies in single precision for viewers.
+    the frame with its copies in single precision for viewers; and of those while lists are made, which the allocator
+    keeps.
 
     Rows of tables that a scene does not use are never written, and take no memory. One wall along each axis is assumed
     to have images or dummies.
@@ -172,9 +173,10 @@ def bytes_per_particle(scene: SphScene) -> float:
     )  # position, velocity, acceleration, reference; density, its rate, mass, numbers
     fields = number * (3 * dimension + 9)  # position and two velocities; nine scalars
     rates = number * (dimension + 2)
+    made = DOUBLE * 2 * dimension + INT32 * 2  # two orders of positions; cells, and the places in them
     lists = 3.0 * INT32 + INT32 * likely_neighbors(dimension, reach / spacing)
     frame = DOUBLE * (2 * dimension + 4) + INT32 * (3 + 3 + 2)  # two vectors, and four or two scalars
-    return state + entries_per_particle(scene, reach) * (fields + number * RECORD) + rates + lists + frame
+    return state + entries_per_particle(scene, reach) * (fields + number * RECORD + made) + rates + lists + frame
 
 
 def entries_per_particle(scene: SphScene, reach: float) -> float:
