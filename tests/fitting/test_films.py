@@ -9,7 +9,7 @@ from ecume.cli.fits import track
 from ecume.engine.ffmpeg import pictures_of
 from ecume.errors import BadInput, StorageError
 from ecume.fitting import Camera, fit, read_tracks
-from ecume.fitting.films import Search, _centered, film_tracks, table_of_tracks
+from ecume.fitting.films import FilmTracks, Search, _centered, at_rest, film_tracks, table_of_tracks
 from ecume.scenes.schema import from_plain
 from ecume.show.floating.bowl import Bowl
 from ecume.show.movies import encode
@@ -135,6 +135,19 @@ def test_a_film_of_a_known_surface_tension_gives_it_back(tmp_path):
     assert len(changed) == len(frames)
     _, columns = np.nonzero(changed[0])
     assert columns.min() == pytest.approx(found.position[0, :, 0].min() - 1e-3 / pixel, abs=4.0)
+
+
+def test_an_object_that_never_moves_is_reported_as_a_part_of_the_picture(tmp_path, capsys, monkeypatch):
+    """The bar of a scale was tracked instead of a bead, in silence."""
+    steps = np.arange(12)[:, None]
+    bar = np.hstack([110 + 0.1 * np.sin(steps), 50.0 + 0 * steps])
+    found = FilmTracks(np.arange(12) / 50.0, np.stack([moving()[:, 0], bar], 1), (160, 120))
+    assert at_rest(found, 12.0) == [(pytest.approx(110.0, abs=0.1), 50.0)]
+    assert at_rest(found._replace(position=moving()), 12.0) == []
+    monkeypatch.setattr("ecume.fitting.films.film_tracks", lambda *given: found)
+    (tmp_path / "film.mp4").touch()
+    track(tmp_path / "film.mp4", diameter="12 px", out=tmp_path / "film.csv")
+    assert "1 of 2 objects do not move, at (110, 50) px" in capsys.readouterr().err
 
 
 def test_tracking_does_not_replace_a_table(tmp_path):

@@ -105,7 +105,7 @@ def track(
     Examples: `ecume track bowl.mp4 --diameter "12 px" --count 2`
     · `ecume track bowl.mp4 --diameter 31 --dark --box 100 80 640 480 --rate 120`
     """
-    from ecume.fitting.films import Search, film_tracks, table_of_tracks
+    from ecume.fitting.films import Search, at_rest, film_tracks, table_of_tracks
     from ecume.trajectories.records import write_whole
 
     there = out or Path(f"{film.stem}.csv")
@@ -114,6 +114,12 @@ def track(
     require_writable(there, there.parent)
     found = film_tracks(film, Search(_pixels(diameter), count, dark, box), rate)
     write_whole(there, table_of_tracks(found))
+    if resting := at_rest(found, _pixels(diameter)):
+        places = " and ".join(f"({x:.0f}, {y:.0f})" for x, y in resting[:3])
+        say(
+            f"warning: {film}: {len(resting)} of {found.position.shape[1]} objects do not move, at {places} px: parts "
+            "of the picture such as a scale? --box restricts the search, --dark finds dark objects"
+        )
     if not quiet:
         echo(f"{found.position.shape[1]} objects in {len(found.times)} pictures; wrote {there}")
 

@@ -34,6 +34,8 @@ LEAST_AROUND = 12
 ROUNDS, STILL = 20, 1e-3
 """Centers are refined in up to ROUNDS iterations, until they move by less than STILL (pixels)."""
 MOST_PICTURES = 20_000
+RESTING = 0.05
+"""The longest path, in diameters, of an object that is reported as one at rest."""
 
 
 class Search(NamedTuple):
@@ -177,6 +179,15 @@ def _linked(found: list[Array], search: Search) -> Array:
         mine = particle == one
         position[np.asarray(linked["frame"])[mine], number] = place[mine]
     return position
+
+
+def at_rest(tracks: FilmTracks, diameter: float) -> list[tuple[float, float]]:
+    """The places (pixels) of objects whose whole path is shorter than a small part of a diameter: often a mark of the
+    picture, such as a scale, and not a particle.
+    """
+    low, high = np.nanmin(tracks.position, axis=0), np.nanmax(tracks.position, axis=0)
+    still = (high - low).max(axis=1) < RESTING * diameter
+    return [(x, y) for x, y in (0.5 * (low + high))[still].tolist()]
 
 
 def table_of_tracks(tracks: FilmTracks) -> str:
