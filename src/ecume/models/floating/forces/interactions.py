@@ -106,6 +106,7 @@ from ecume.models.floating.forces.surfactant import (
 )
 from ecume.models.floating.forces.waves import (
     Waves,
+    keep_ways,
     kick_wave_spins,
     make_waves_scratch,
     no_wave_energy,
@@ -273,7 +274,8 @@ INTERACTIONS = {
     ),
     "waves": Interaction(
         path="waves", name="a source of waves", constants=Waves, make=waves_of, add_forces=wave_forces,
-        energy=no_wave_energy, scratch=make_waves_scratch, kick_spins=kick_wave_spins, state=with_headings,
+        energy=no_wave_energy, scratch=make_waves_scratch, kick_spins=kick_wave_spins, add_work=keep_ways,
+        state=with_headings,
         inertia=lambda part: np.asarray(part.inertia), lines=wave_lines,
         pairs_worth=lambda part, time_step: 2.0 * float(len(part.owner)) ** 2,
         gives=ROUND | {"moving walls", "pair sum", "grid", "superposed", "undulations"},

@@ -88,7 +88,7 @@ class WavesScratch(NamedTuple):
     on_bodies: Array
     """(N,) N m: the torques of the workspace"""
     before: Array
-    """(N, 6) at the start of the step: force, torque, position, angle"""
+    """(N, 6) force and torque at the start of the step, the way in the step, the angle at its start"""
 
 
 def make_waves_scratch(part: Waves, parameters: Parameters, state: State, workspace: Workspace) -> WavesScratch:
@@ -185,7 +185,7 @@ def kick_wave_spins(part: Waves, scratch: WavesScratch, parameters: Parameters, 
     if first:
         for i in range(count):
             before[i, 0], before[i, 1], before[i, 2] = scratch.force[i, 0], scratch.force[i, 1], scratch.torque[i]
-            before[i, 3], before[i, 4], before[i, 5] = state.position[i, 0], state.position[i, 1], scratch.turning[i, 0]
+            before[i, 5] = scratch.turning[i, 0]
             scratch.turning[i, 0] += time * scratch.turning[i, 1] if part.advances_angles else 0.0
         # The headings of active floats diffuse already.
         if parameters.drift.thermal > 0.0 and len(scratch.active) == 0 and part.kicks:
@@ -193,10 +193,20 @@ def kick_wave_spins(part: Waves, scratch: WavesScratch, parameters: Parameters, 
         return
     work = 0.0
     for i in range(count):
-        work += 0.5 * (before[i, 0] + scratch.force[i, 0]) * (state.position[i, 0] - before[i, 3])
-        work += 0.5 * (before[i, 1] + scratch.force[i, 1]) * (state.position[i, 1] - before[i, 4])
-        work += 0.5 * (before[i, 2] + scratch.torque[i]) * (scratch.turning[i, 0] - before[i, 5])
+        work += 0.5 * (before[i, 0] + scratch.force[i, 0]) * before[i, 3]
+        work += 0.5 * (before[i, 1] + scratch.force[i, 1]) * before[i, 4]
+        # The heat of noise on the angle is minus the work of the torque.
+        if not parameters.drift.thermal > 0.0:
+            work += 0.5 * (before[i, 2] + scratch.torque[i]) * (scratch.turning[i, 0] - before[i, 5])
     state.tally[WORK] += work
+
+
+@compiled
+def keep_ways(part: Waves, scratch: WavesScratch, parameters: Parameters, state: State, workspace: Workspace) -> None:
+    """Store the ways of all floats in a step, without the removal of overlaps after it, which does no work."""
+    for i in range(len(scratch.torque)):
+        for axis in range(2):
+            scratch.before[i, 3 + axis] = parameters.time_step * workspace.midstep_velocity[i, axis]
 
 
 @compiled
