@@ -100,8 +100,7 @@ def test_a_dish_that_is_drawn_through_a_liquid_pays_for_the_drag():
     )
 
 
-@pytest.mark.long
-@pytest.mark.compiled
+@pytest.mark.uncompiled
 def test_the_energy_from_noise_is_heat():
     """In a well: the energy changes by the heat, but for the third power of a step."""
     floats = f'[[particles]]\ncount = 20\n{SMALL}placement = "lattice"\nspacing = 5e-5\n'

@@ -80,7 +80,7 @@ def closes(plain):
 
 @pytest.mark.long
 @pytest.mark.parametrize("goal", ["volume_fraction", "pressure"])
-@pytest.mark.parametrize("seed", [1, 5, 8, 15])
+@pytest.mark.parametrize("seed", [1, 5, 15])
 def test_random_packings_keep_what_every_run_keeps(seed, goal):
     """Balance, imposed stresses, symmetry and energy from time 0 on, and a run that is continued from its middle.
 

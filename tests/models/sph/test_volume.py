@@ -155,7 +155,7 @@ def test_the_summed_density_inside_is_that_of_the_liquid():
 @pytest.mark.long
 @pytest.mark.compiled  # a few thousand steps
 def test_still_water_stays_still():
-    for seed in range(10):
+    for seed in (1, 3, 5, 7):  # between mirrors and dummies, with boxes and without, below a lid and open
         scene = random_tank(seed, layers=(8, 13))
         frame = list(ecume.simulate(scene))[-1]
         depth = scene.fluid[0].high[1]
