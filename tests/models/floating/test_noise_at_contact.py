@@ -1,6 +1,4 @@
-"""Brownian floats at contact and at walls: distances as in equilibrium, where each allowed place is equally likely, or
-as likely as its energy says.
-"""
+"""Brownian floats at contact: distances as in equilibrium, where each allowed place is equally likely."""
 
 import numpy as np
 import pytest
@@ -12,16 +10,6 @@ from tests.oracles.hard_discs import gap_counts, lattice, monte_carlo
 SIDE = 6.0
 
 
-def gaps_of_two(around, duration, every=0.03):
-    """The gaps between two discs in a periodic square, in radii."""
-    scene = discs_at([[-1.5, 0.0], [1.5, 0.0]], around, duration=duration, every=every)
-    place = np.array([frame.arrays["position"] for frame in ecume.simulate(scene)]) / RADIUS
-    apart = place[:, 0] - place[:, 1]
-    apart -= SIDE * np.round(apart / SIDE)
-    return np.hypot(*apart.T) - 2.0
-
-
-@pytest.mark.long
 def test_monte_carlo_finds_two_discs_where_there_is_room():
     edges = np.array([0.0, 0.2, 0.9])
     found = gap_counts(monte_carlo(2, SIDE, 20_000, 1), SIDE, edges)
@@ -35,22 +23,10 @@ def shares_in_a_cell(edges):
 
 @pytest.mark.long
 @pytest.mark.compiled
-def test_gaps_of_two_discs_are_those_of_equilibrium_from_contact_on():
-    edges = np.array([0.0, 0.02, 0.1, 0.9])
-    gap = gaps_of_two(f"[cell]\nsize = [{SIDE * RADIUS}, {SIDE * RADIUS}]", 900.0)
-    assert gap.min() > -1e-4
-    counts = np.histogram(gap, edges)[0] / len(gap)
-    # Places are forgotten within two seconds: some 450 independent ones.
-    assert counts == pytest.approx(shares_in_a_cell(edges), rel=0.15)
-    assert np.mean(gap < 1e-3) < 3.0 * np.pi * 4e-3 / (SIDE**2 - 4.0 * np.pi)
-
-
-@pytest.mark.long
-@pytest.mark.compiled
 def test_a_hundred_discs_have_the_pair_distribution_and_the_pressure_of_monte_carlo():
     side, edges = np.sqrt(100 * np.pi / 0.3), np.array([0.0, 0.01, 0.03, 0.05, 0.1, 0.2])
     cell = f"[cell]\nsize = [{side * RADIUS}, {side * RADIUS}]"
-    scene = discs_at(lattice(100, side) - side / 2.0, cell, duration=600.0, every=0.1)
+    scene = discs_at(lattice(100, side) - side / 2.0, cell, duration=300.0, every=0.1)
     frames = [frame.arrays["position"] / RADIUS for frame in ecume.simulate(scene)]
     found = gap_counts(np.array(frames[20:]), side, edges)
     # Two thousand configurations of Monte Carlo are within 2 %.
