@@ -274,7 +274,7 @@ def test_a_raft_that_is_stopped_keeps_the_energy_that_floats_at_rest_have():
         ({"dish": {"law": "meniscus"}, "barrier": {"velocity": 0.012}}, "menisci of both sides"),
         ({"hydrodynamics": {"brownian": True}}, "floats that diffuse"),
         ({"hydrodynamics": {"interaction": "rotne-prager"}}, "flow of others"),
-        ({"integration": {"integrator": "rk4"}}, "moves once per step"),
+        ({"integration": {"integrator": "rk4"}}, "which act at the ends of a step"),
         ({"contacts": {"law": "spring-dashpot", "stiffness": 1.0, "restitution": 0.5}}, "impulses that stop floats"),
         ({"barrier": {"side": "all", "both": True}}, "moves every side"),
         ({"barrier": {"side": "all", "start": 0.005}, "dish": {"law": "meniscus"}}, "at a wall that closes"),

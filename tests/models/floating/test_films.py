@@ -145,7 +145,7 @@ def test_two_beads_meet_when_the_law_says():
 @pytest.mark.parametrize(
     ("changes", "message"),
     [
-        ({"integrator": "rk4"}, "a film slows the velocity after each kick"),
+        ({"integrator": "rk4"}, "it must act on a whole kick"),
         ({"more": "brownian = true\n"}, "moved by noise that is correlated"),
         ({"more": '[contacts]\nlaw = "spring-dashpot"\nstiffness = 1.0\n'}, "contacts that stop floats at once"),
     ],

@@ -258,7 +258,7 @@ def test_a_liquid_above_the_liquid_is_a_warning_with_the_factor_of_the_drag():
     ("more", "around", "reason"),
     [
         ("", "[cell]\nsize = [0.05, 0.05]\n", "decays as 1/r only"),
-        ('[contacts]\nlaw = "spring-dashpot"\nstiffness = 1.0\n', "", "each contact moves all floats"),
+        ('[contacts]\nlaw = "spring-dashpot"\nstiffness = 1.0\n', "", "the force of a contact moves all floats"),
     ],
 )
 def test_what_cannot_be_combined_is_refused_with_the_physical_reason(more, around, reason):

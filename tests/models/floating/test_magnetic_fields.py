@@ -91,5 +91,5 @@ def test_the_work_of_the_field_closes_the_energy_budget(integrator):
 def test_what_cannot_be_is_refused_with_the_reason():
     with pytest.raises(SceneError, match="fish"):
         FLOATING.parameters(beads([(0.0, 0.0)], 'species = ["fish"]\n'))
-    with pytest.raises(SceneError, match="the field is renewed once per step"):
+    with pytest.raises(SceneError, match="is known at the ends of a step"):
         FLOATING.parameters(beads([(0.0, 0.0)], "", more=f'[integration]\nintegrator = "rk4"\n{ALONE}'))

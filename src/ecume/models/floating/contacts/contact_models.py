@@ -172,7 +172,7 @@ CONTACTS = {
         state=with_friction_impulses,
         inertia=lambda part: np.asarray(part.inertia), gives=frozenset({"apart", "lubricated", "full mobility"}),
         needs={
-            "round": "the solver for outlines knows smooth surfaces only",
+            "round": "friction of one body at several points at once is not solved",
         },
     ),
     "spring-dashpot": ContactModel(
@@ -181,7 +181,7 @@ CONTACTS = {
         laws=(friction.spring_push, friction.dashpot_restitution), gives=frozenset({"apart", "no spins"}),
         needs={
             "springs": "others gain energy from springs, or see their forces within a step",
-            "round": "a spring between outlines would need the depth of their overlap",
+            "round": "two edges in contact at two points would be twice as stiff as at one",
         },
     ),
     "outlines": ContactModel(

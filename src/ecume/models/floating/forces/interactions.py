@@ -247,7 +247,7 @@ INTERACTIONS = {
         lines=magnetic_lines, arrays=lambda part: {"magnetic_moment": (part.permanent.copy(), "A*m^2")},
         gives=ROUND | {"moving walls", "pair sum", "undulations", "grid", "superposed", "no torques"},
         laws=(pair_laws.oblique_dipole_energy, pair_laws.induced_moment),
-        needs={"kicks at the ends": "the field is renewed once per step"},
+        needs={"kicks at the ends": "the work of a field that changes is known at the ends of a step"},
     ),
     "grid": Interaction(
         path="interaction.summation", name="'grid'", constants=Split, make=lambda parameters, scene: Built(()),
@@ -258,7 +258,7 @@ INTERACTIONS = {
         laws=(ewald.short_energy, ewald.smooth_wave, ewald.grid_error),
         needs={
             "menisci": "its waves are those of the liquid's surface",
-            "grid": "pairs are listed only as far as the short-range part reaches",
+            "grid": "the split into a near and a smooth part is that of one charge at the center of each float",
             "open": "its waves decay toward borders without floats behind them",
         },
     ),
@@ -269,7 +269,7 @@ INTERACTIONS = {
         gives=ROUND | {"moving walls", "pair sum", "grid", "superposed", "undulations", "no torques"},
         needs={
             "drag": "drag limits the speed that an active force gives",
-            "kicks at the ends": "active forces are renewed once per step",
+            "kicks at the ends": "a random force has no values within a step",
         },
     ),
     "waves": Interaction(
@@ -282,7 +282,7 @@ INTERACTIONS = {
         laws=(radiated_waves.slope_per_force, radiated_waves.mean_force),
         needs={
             "drag": "waves take their energy from outside, and drag takes it from the floats",
-            "kicks at the ends": "the torques of waves turn a float once per step",
+            "kicks at the ends": "the work of waves, which have no energy, is known at the ends of a step",
             "kicks spins": "the torques of waves turn floats",
             "open": "waves of images would overlap to infinity",
             "single drag": "the flow of a float that turns moves its neighbors",
@@ -298,7 +298,7 @@ INTERACTIONS = {
         laws=(camphor.propulsion, camphor.threshold_friction),
         needs={
             "drag": "surface tension drives floats, and drag limits their speed",
-            "kicks at the ends": "the concentration is advanced once per step",
+            "kicks at the ends": "the concentration diffuses from the places of floats at the end of a step",
             "round": "floats release over a disc, on whose perimeter the surface tension acts",
             "bounded": "the concentration is computed on a grid, which has an end",
         },
@@ -310,10 +310,10 @@ INTERACTIONS = {
         gives=ROUND | {"pair sum", "grid", "superposed", "undulations", "no torques"},
         laws=(rafts.buckling_pressure, rafts.pressure_left),
         needs={
-            "kicks at the ends": "the barrier moves once per step",
+            "kicks at the ends": "its force is that of contacts, which act at the ends of a step",
             "full mobility": "its force is that of the impulses that stop floats",
             "lone": "a wall that moves makes liquid flow, which would carry floats that feel the flow of others",
-            "moving walls": "multipoles, outlines and surfactant are solved between walls at rest",
+            "moving walls": "the surface and the concentration are those in equilibrium with walls at rest",
             "no noise": "floats that diffuse meet walls at rest within a step",
         },
     ),
@@ -350,7 +350,7 @@ RESISTANCES = {
     "films": Resistance(
         path="hydrodynamics.lubrication", name="a film", constants=Films, make=films_of, slow=apply_films,
         needs={
-            "kicks at the ends": "a film slows the velocity after each kick",
+            "kicks at the ends": "the friction of a film has no upper limit, so that it must act on a whole kick",
             "drag": "the friction of a film is a multiple of the drag of its floats",
             "stokes": "the friction of a film is a multiple of Stokes's drag",
             "round": "the film between two floats is known for spheres",

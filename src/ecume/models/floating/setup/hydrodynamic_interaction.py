@@ -119,7 +119,7 @@ HYDRODYNAMICS = {
             "drag": "the flow that moves other floats comes from the drag on each",
             "round": "the mobilities of spheres are known in closed form",
             "open": "the flow of a float decays as 1/r only, so that images at all distances move it",
-            "full mobility": "each contact moves all floats",
+            "full mobility": "the force of a contact moves all floats, and must stop those in contact",
         },
     ),
 }  # fmt: skip

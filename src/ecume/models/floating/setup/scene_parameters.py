@@ -393,7 +393,7 @@ FAST_DRAG = Option(
     slot="drag law", path="hydrodynamics.drag", name="'schiller-naumann'",
     needs={
         "drag": "it moves floats by drag",
-        "fast drag": "the drag of a kick follows from the speed at its beginning",
+        "fast drag": "a float so fast that its drag is not Stokes's keeps its inertia, and its drag follows its speed",
         "round": "the formula is that of spheres",
     },
 )  # fmt: skip
