@@ -98,6 +98,7 @@ NEW = {
     ("shapes", "active forces"),
     ("films", "velocity-verlet"),
     ("films", "explicit-euler"),
+    ("stormer-verlet", "active forces"),
     ("stormer-verlet", "dish in motion"),
     ("stormer-verlet", "fast drag"),
     ("rk4", "dish in motion"),

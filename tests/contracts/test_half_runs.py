@@ -96,6 +96,7 @@ TOGETHER = [
     ("waves", "friction", "overdamped"),
     ("waves", "multipole"),
     ("dish in motion", "rk4"),
+    ("active forces", "stormer-verlet"),
     ("fast drag", "stormer-verlet"),
     ("shapes", "waves"),
     ("shapes", "barrier"),

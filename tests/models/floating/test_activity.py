@@ -66,7 +66,7 @@ def test_a_torque_makes_a_float_swim_in_a_circle():
     assert places[-1] == pytest.approx(places[0], abs=0.03 * speed / rate)
 
 
-@pytest.mark.parametrize("integrator", ["overdamped", "velocity-verlet", "semi-implicit-euler"])
+@pytest.mark.parametrize("integrator", ["overdamped", "velocity-verlet", "semi-implicit-euler", "stormer-verlet"])
 def test_all_work_of_active_forces_is_injected(integrator):
     """Without other forces the energy never exceeds it; in steady motion drag takes it."""
     more = f'[integration]\nintegrator = "{integrator}"\n{ALONE}'

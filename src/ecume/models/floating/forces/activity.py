@@ -123,12 +123,15 @@ def renew_activity(part: Activity, scratch: ActivityScratch, parameters: Paramet
 def add_work_of_activity(
     part: Activity, scratch: ActivityScratch, parameters: Parameters, state: State, workspace: Workspace
 ) -> None:
-    """Add the work (J) of the active forces in a step, by the mean of the forces at its beginning and end."""
+    """Add the work (J) of the active forces in a step, by the mean of the forces at its beginning and end; a scheme
+    with forces in the middle has those of the end.
+    """
     midstep_velocity, power = workspace.midstep_velocity, 0.0
+    last = 0.5 if parameters.scheme.forces_at_end else 1.0
     for i in range(len(part.force)):
         x, y = active_force(part, scratch, i)
-        power += 0.5 * (scratch.before[i, 0] + x) * midstep_velocity[i, 0]
-        power += 0.5 * (scratch.before[i, 1] + y) * midstep_velocity[i, 1]
+        power += ((1.0 - last) * scratch.before[i, 0] + last * x) * midstep_velocity[i, 0]
+        power += ((1.0 - last) * scratch.before[i, 1] + last * y) * midstep_velocity[i, 1]
     state.tally[WORK] += power * parameters.time_step
 
 

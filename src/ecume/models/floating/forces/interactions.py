@@ -269,7 +269,7 @@ INTERACTIONS = {
         gives=ROUND | {"moving walls", "pair sum", "grid", "superposed", "undulations", "no torques"},
         needs={
             "drag": "drag limits the speed that an active force gives",
-            "kicks at the ends": "a random force has no values within a step",
+            "takes noise": "a random force has no derivative, on which the order of such a scheme rests",
         },
     ),
     "waves": Interaction(
