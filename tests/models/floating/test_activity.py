@@ -9,6 +9,7 @@ from ecume.errors import SceneError
 from ecume.laws.drag import schiller_naumann_factor
 from ecume.models import MODELS
 from ecume.models.floating.forces.activity import Activity, ActivityScratch, renew_activity
+from ecume.models.floating.parameters import WORK
 from ecume.units import parse, with_prefix
 from tests.models import begun
 from tests.models.floating.bowls import WATER, scene_of
@@ -83,6 +84,19 @@ def test_all_work_of_active_forces_is_injected(integrator):
     if integrator == "overdamped":
         assert numbers["injected_work"] == pytest.approx(dissipated, rel=0.1, abs=0.0)
     assert numbers["injected_work"] > 0.0
+
+
+def test_stoermers_scheme_does_the_work_of_the_force_that_it_applies():
+    more = f'[integration]\nintegrator = "stormer-verlet"\ntime_step = 1e-3\n{ALONE}'
+    scene = swimmers("force = 1e-12\npersistence = 0.005\n", count=2, more=more, duration=0.1, frame_every=0.1)
+    parameters, state, workspace = begun(scene)
+    work = 0.0
+    for _ in range(20):
+        before = state.position.copy()
+        assert FLOATING.advance(parameters, state, workspace, 1) == 0
+        force = 1e-12 / math.sqrt(2.0) * state.active[:, :2]
+        work += float(np.sum(force * (state.position - before)))
+    assert state.tally[WORK] == pytest.approx(work, rel=1e-9, abs=0.0)
 
 
 def test_only_the_active_species_moves():

@@ -5,6 +5,7 @@ import math
 import numpy as np
 import pytest
 
+from ecume.engine.philox import counter_of, normals
 from ecume.errors import SceneError
 from ecume.models import MODELS
 from ecume.models.floating.parameters import COLLISIONS, WORK
@@ -67,7 +68,16 @@ def test_velocities_and_displacements_of_free_floats_have_the_variances_of_their
     assert np.mean(state.velocity**2) / variance == pytest.approx(1.0 - kept ** (2 * steps), abs=bound)
     assert np.mean((state.position - before) ** 2) / (variance * moved) == pytest.approx(1.0, abs=bound)
     kinetic = 0.5 * float(np.sum(parameters.floats.mass[:, None] * state.velocity**2))
-    assert state.tally[WORK] == pytest.approx(kinetic, rel=1e-12)
+    assert state.tally[WORK] == pytest.approx(kinetic, rel=1e-12, abs=0.0)
+
+
+@pytest.mark.parametrize("scheme", SCHEMES)
+def test_the_first_step_gives_a_float_at_rest_its_random_number(scheme):
+    parameters, state, workspace = stepping(scheme, 3)
+    assert FLOATING.advance(parameters, state, workspace, 1) == 0
+    drawn = np.array([normals(counter_of(i, 0, 0), parameters.drift.seed) for i in range(3)])
+    spread = math.sqrt(THERMAL / float(parameters.floats.mass[0]) * (1.0 - math.exp(-2.0 * KEPT)))
+    assert state.velocity == pytest.approx(spread * drawn, rel=1e-9, abs=0.0)
 
 
 def test_floats_diffuse_as_fast_as_without_inertia_to_three_thousandths():
@@ -77,7 +87,7 @@ def test_floats_diffuse_as_fast_as_without_inertia_to_three_thousandths():
     parameters = stepping("velocity-verlet", 1)[0]
     kept, tau = math.exp(-KEPT), relaxation_of(parameters)
     per_step = THERMAL / float(parameters.floats.mass[0]) * (0.5 + kept / (1.0 - kept)) * parameters.time_step
-    assert per_step == pytest.approx(THERMAL / float(parameters.floats.mass[0]) * tau, rel=4e-3)
+    assert per_step == pytest.approx(THERMAL / float(parameters.floats.mass[0]) * tau, rel=4e-3, abs=0.0)
     loose = FLOATING.parameters(warm(beads(1), duration=1e-3, frame_every=1e-3))
     assert loose.time_step <= KEPT * tau * (1.0 + 1e-12)
 
