@@ -5,6 +5,7 @@ import math
 import numpy as np
 import pytest
 
+from ecume.citing import papers_of
 from ecume.engine.philox import counter_of, normals
 from ecume.errors import SceneError
 from ecume.models import MODELS
@@ -90,6 +91,10 @@ def test_floats_diffuse_as_fast_as_without_inertia_to_three_thousandths():
     assert per_step == pytest.approx(THERMAL / float(parameters.floats.mass[0]) * tau, rel=4e-3, abs=0.0)
     loose = FLOATING.parameters(warm(beads(1), duration=1e-3, frame_every=1e-3))
     assert loose.time_step <= KEPT * tau * (1.0 + 1e-12)
+
+
+def test_its_papers_are_cited():
+    assert {"bussi2007", "uhlenbeck1930"} <= set(papers_of(warm(beads(1))))
 
 
 def test_noise_and_drag_relax_floats_toward_the_flow():

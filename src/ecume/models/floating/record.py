@@ -29,7 +29,7 @@ from ecume.models.floating.parameters import (
 from ecume.models.floating.setup.initial_state import layout, position_faults, start
 from ecume.models.floating.setup.scene_parameters import ROOMIER, checked_parameters, chosen_by
 from ecume.models.floating.time_integration.integration import advance, fill_lists, forces_at, make_scratch
-from ecume.models.floating.time_integration.integrators import INTEGRATORS_BY_CONSTANTS
+from ecume.models.floating.time_integration.integrators import INTEGRATORS_BY_CONSTANTS, thermalize
 from ecume.models.floating.user_laws import interaction_of
 from ecume.models.model import Model, Source
 from ecume.models.user_laws import BoundLaw
@@ -56,6 +56,7 @@ def laws_of(scene: Any) -> list[Source]:
         laws += resistance if scene.hydrodynamics.resists else []
         laws += [contact_lines.spin_in_flow] if scene.flow is not None else []
     laws += [brownian_motion.diffusivity, brownian_motion.reflected_gap] if scene.hydrodynamics.brownian else []
+    laws += [thermalize] if scene.hydrodynamics.brownian and chosen.integrator.scheme.inertia else []
     return [*laws, *chosen.hydrodynamics.laws, *chosen.contacts.laws]
 
 
