@@ -176,7 +176,9 @@ def test_a_figure_has_the_format_the_width_and_the_table_that_were_asked_for(tmp
     done = CliRunner().invoke(app, [*words, *more])
     assert done.output == f"wrote {tmp_path / 'curves.csv'}\nwrote {tmp_path / 'there' / 'curves.pdf'}\n"
     assert (tmp_path / "there" / "curves.pdf").read_bytes().startswith(b"%PDF")
-    assert (tmp_path / "curves.csv").read_text().startswith("panel,series,x_axis,y_axis,x,y\n")
+    assert (
+        (tmp_path / "curves.csv").read_text().startswith("panel,series,x_axis,y_axis,x,y,x_low,x_high,y_low,y_high\n")
+    )
     beside = CliRunner().invoke(app, ["plot", str(tmp_path), "other"])
     assert (beside.exit_code, "is a sweep, whose figures are drawn alone" in beside.stderr) == (2, True)
 

@@ -203,9 +203,13 @@ def curves_of(axes: Axes) -> list[Curve]:
         if line.get_transform() != axes.transData or not len(points_of(line)) or line in caps:
             continue
         bars = with_bars.get(line)
-        name = " ".join(str((bars or line).get_label()).split())
+        name = _in_a_line(str((bars or line).get_label()))
         found.append(Curve(line, "" if name.startswith("_") else name, _ends(bars) if bars else (None, None)))
     return found
+
+
+def _in_a_line(text: str) -> str:
+    return " ".join(text.split())
 
 
 def _ends(bars: ErrorbarContainer) -> tuple[Array | None, Array | None]:
@@ -234,7 +238,7 @@ def written_data(drawn: Figure, out: Path) -> Path:
     panels = [(panel, axes, curves_of(axes)) for panel, axes in enumerate(drawn.axes, 1)]
     barred = any(bars is not None for _, _, curves in panels for curve in curves for bars in curve.bars)
     rows = [
-        (panel, curve.name or f"curve {number}", axes.get_xlabel(), axes.get_ylabel(), *cells)
+        (panel, curve.name or f"curve {number}", *map(_in_a_line, (axes.get_xlabel(), axes.get_ylabel())), *cells)
         for panel, axes, curves in panels
         for number, curve in enumerate(curves, 1)
         for cells in _cells_of(curve, barred=barred)
