@@ -126,7 +126,7 @@ def marks(*options):
     """Walls have contacts of their own, which are compiled by themselves. So would be a user's law with each option:
     as plain Python it takes less, and `test_an_option_has_the_same_bits_in_threads` has it compiled.
     """
-    long = [pytest.mark.long] * any("wall" in name for name in options)
+    long = [pytest.mark.long] * any("wall" in name or name == "permeation" for name in options)
     return [*long, pytest.mark.uncompiled if "user law" in options else pytest.mark.compiled]
 
 
@@ -146,7 +146,7 @@ def bits(plain):
 
 
 @pytest.mark.compiled
-@pytest.mark.sampled(4)
+@pytest.mark.long
 @pytest.mark.parametrize("option", [name for name in OPTIONS if not name.startswith(("solver ", "gravity"))])
 def test_an_option_has_the_same_bits_in_threads(monkeypatch, option):
     """As in a packing of thousands of spheres, where each loop over contacts is compiled for threads. Gravity alone has
