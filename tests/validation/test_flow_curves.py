@@ -163,8 +163,8 @@ def test_a_flow_that_is_not_stationary_is_computed_again_to_twice_the_strain(mon
 
     monkeypatch.setattr(suspensions, "kept", kept)
     flow = suspensions.Flow("frictional", 0.68)
-    assert suspensions.piece(flow, tmp_path).settled  # at once
-    assert suspensions.piece(flow, tmp_path).settled  # the second time
+    assert suspensions.piece(flow, 1, tmp_path).settled  # at once
+    assert suspensions.piece(flow, 1, tmp_path).settled  # the second time
     assert ends == pytest.approx([4.0, 4.0, 7.0])
 
 
