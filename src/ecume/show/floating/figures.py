@@ -33,7 +33,7 @@ from ecume.analysis.clusters import (
     touching_pairs,
     transitions,
 )
-from ecume.analysis.series import BLOCKS, times, tracks
+from ecume.analysis.series import times, tracks
 from ecume.analysis.structure import (
     Region,
     approach,
@@ -44,6 +44,7 @@ from ecume.analysis.structure import (
     shapes_of,
     whole,
 )
+from ecume.engine.stationarity import BLOCKS
 from ecume.engine.walls.surfaces import shrunk
 from ecume.errors import BadInput
 from ecume.laws.drag import schiller_naumann_factor
