@@ -297,9 +297,10 @@ class DishSpec:
 def _require_sides(dish: DishSpec, barrier: BarrierSpec, given: str) -> None:
     """Refuse barriers that are no side of a rectangle, and menisci at a wall that closes."""
     if barrier.closes:
-        if dish.law != "none" or dish.image != "none":
-            got = f"got {dish.law or 'a meniscus'!r} at a wall that closes, whose meniscus changes with its curvature"
-            raise Inconsistent([(("law",), f"{got}; expected law = 'none' and image = 'none'")])
+        key = "law" if dish.law != "none" else "image"
+        if (law := getattr(dish, key)) != "none":
+            got = f"got {repr(law) if law else 'a meniscus'} at a wall that closes, whose meniscus changes"
+            raise Inconsistent([((key,), f"{got} with its curvature; expected law = 'none' and image = 'none'")])
     elif dish.size is None or dish.shape == "ellipse":
         got = f"got a dish with {given}" if dish.size is None else "got an ellipse"
         expected = "expected size, the sides of a rectangle: the barrier is one of them; or side = 'all'"

@@ -237,7 +237,8 @@ def slow_down(
         return
     share = farthest / (fastest * parameters.time_step)
     for i in range(count):
-        velocity[i, 0], velocity[i, 1] = share * velocity[i, 0], share * velocity[i, 1]
+        for axis in range(velocity.shape[1]):
+            velocity[i, axis] *= share
     scratch.step[1] = scratch.step[0] + share * (scratch.step[1] - scratch.step[0])
     scratch.step[2] *= share
     for number in range(len(part.sides)):
@@ -262,8 +263,8 @@ def stop_raft(state: State, workspace: Workspace) -> None:
         if contacts.impulse[row] > 0.0:
             for i in (contacts.first[row], contacts.second[row]):
                 if i < count:
-                    for axis in range(2):
-                        state.velocity[i, axis] = 0.0
+                    state.velocity[i, 0], state.velocity[i, 1] = 0.0, 0.0
+                    for axis in range(workspace.midstep_velocity.shape[1]):
                         workspace.midstep_velocity[i, axis] = 0.0
 
 
