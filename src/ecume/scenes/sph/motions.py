@@ -20,6 +20,7 @@ Phase = Annotated[Angle, Field(ge=-1e3, le=1e3)]
 Moment = Annotated[Time, Field(ge=0.0, le=1e10)]
 Turn = Annotated[Angle, Field(ge=-1e6, le=1e6)]
 Formula = Annotated[str, Field(max_length=300)]
+OF_SINES = "belongs to a sine; expected none with another law of motion"
 
 
 @dataclass(frozen=True, kw_only=True, config=STRICT)
@@ -108,6 +109,8 @@ class RollSpec:
             raise Inconsistent([((), "expected either amplitude and frequency, or a formula")])
         if (self.amplitude is None) != (self.frequency is None):
             raise Inconsistent([(("frequency",), "belongs to an amplitude; expected both or none")])
+        if self.phase != 0.0 and self.amplitude is None:
+            raise Inconsistent([(("phase",), OF_SINES)])
         _require_formulas("formula", (self.formula,) if self.formula else ())
         if not any(self.axis):
             raise Inconsistent([(("axis",), "expected a vector that is not zero")])
@@ -230,6 +233,8 @@ def _require_one(spec: Any, values: str) -> None:
     _require_formulas("formula", (spec.formula,) if isinstance(spec.formula, str) and spec.formula else spec.formula)
     if sine and spec.frequency is None:
         raise Inconsistent([(("frequency",), "is missing; a sine needs it")])
+    if not sine and (wrong := [name for name in ("frequency", "phase") if getattr(spec, name)]):
+        raise Inconsistent([((wrong[0],), OF_SINES)])
     if table and len(spec.times) != len(getattr(spec, values)):
         message = f"got {len(getattr(spec, values))} for {len(spec.times)} times; expected the same number"
         raise Inconsistent([((values,), message)])
@@ -241,8 +246,13 @@ def _require_formulas(key: str, texts: Iterable[str]) -> None:
         raise Inconsistent([((key,), fault)])
 
 
-TRIED = 200
+TRIED = 2000
 """The number of times of a run at which formulas are tried."""
+
+
+def tried(duration: Time) -> Iterator[float]:
+    """The times of a run at which formulas are tried."""
+    return (duration * step / TRIED for step in range(TRIED + 1))
 
 
 def formula_faults(texts: Iterable[str], duration: Time, *, from_zero: bool) -> Iterator[str]:
@@ -251,8 +261,7 @@ def formula_faults(texts: Iterable[str], duration: Time, *, from_zero: bool) -> 
         if from_zero and abs(_value(text, 0.0)) > 1e-12:
             yield f"got {text!r}, which is {_value(text, 0.0):.3g} at t = 0; expected 0, where the solid is drawn"
             continue
-        times = (duration * step / TRIED for step in range(TRIED + 1))
-        if (bad := next((time for time in times if not math.isfinite(_value(text, time))), None)) is not None:
+        if (bad := next((time for time in tried(duration) if not math.isfinite(_value(text, time))), None)) is not None:
             yield f"got {text!r}, which with its derivatives has no finite value at t = {bad:.3g} s"
 
 

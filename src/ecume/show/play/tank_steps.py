@@ -392,7 +392,7 @@ def sorted_in(position: Array, grid: Grid) -> Sorted:
     """The particles in the order of their cells."""
     count, cells = position.shape[1], int(np.prod(grid.shape))
     found = Sorted(np.empty_like(position), np.empty(count, np.int32), np.empty(cells + 1, np.int64))
-    tally, cell = np.empty((1, cells), np.int64), np.empty(count, np.int64)
+    tally, cell = np.empty((1, cells), np.int32), np.empty(count, np.int32)
     _counting_sort(
         position, grid.low, grid.edge, grid.shape, cell, tally, found.position, found.order, found.start
     )  # fmt: skip

@@ -126,8 +126,9 @@ def scenery_of(scene: SphScene, frame: Frame, values: Array) -> Scenery:
 
 def size_of_cells(spacing: float, volume: float, *, sharp: bool) -> float:
     """The size of cells (m) that fill a volume (m^3); they are smaller where solids need sharp edges."""
-    usual = max(spacing / FINE, (volume / MOST_CELLS) ** (1.0 / 3.0))
-    return min(usual, max(spacing / FINER, (volume / SHARP_CELLS) ** (1.0 / 3.0))) if sharp else usual
+    usual: float = max(spacing / FINE, (volume / MOST_CELLS) ** (1.0 / 3.0))
+    sharper: float = max(spacing / FINER, (volume / SHARP_CELLS) ** (1.0 / 3.0))
+    return min(usual, sharper) if sharp else usual
 
 
 def seen_along(scenery: Scenery, camera: Array, view: View, shape: tuple[int, int]) -> Array:

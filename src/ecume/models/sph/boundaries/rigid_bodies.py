@@ -16,11 +16,12 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ecume._portable import cos, dot, length, product, sinc, solve
-from ecume.engine.formulas import formula_at
+from ecume.engine.formulas import Jet, formula_at
 from ecume.engine.shapes import Shape
 from ecume.engine.walls import Sheet
 from ecume.engine.walls.sheets import SIZE, SPEED
 from ecume.engine.walls.surfaces import PLANE
+from ecume.errors import Diverged
 from ecume.models.sph.parameters import Bodies, Boundary, Drive, Dummies, Parameters, Roll
 from ecume.models.sph.state import State
 from ecume.units import Array
@@ -406,9 +407,20 @@ def drive_at(drive: Drive, time: float) -> tuple[Array, Array, Array]:
     if 0 < piece < len(times):
         rate = rate + (rows[:, piece] - rows[:, piece - 1]) / (times[piece] - times[piece - 1])
     if drive.formulas:
-        jets = np.array([formula_at(text, time) for text in drive.formulas])
+        jets = np.array([_jet_at(text, time) for text in drive.formulas])
         value, rate, second = value + jets[:, 0], rate + jets[:, 1], second + jets[:, 2]
     return value, rate, second
+
+
+def _jet_at(text: str, time: float) -> Jet:
+    """The value of a formula and its derivatives. Raises Diverged where it has none, between the times at which the
+    scene tried it.
+    """
+    try:
+        return formula_at(text, time)
+    except (ArithmeticError, ValueError):
+        message = f"the formula {text} or a derivative has no finite value at t = {time:.6g} s"
+        raise Diverged(f"{message}; expected one that has, throughout the run") from None
 
 
 def with_moved_solids(parameters: Parameters, state: State) -> Parameters:

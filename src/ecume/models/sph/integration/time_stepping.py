@@ -177,7 +177,7 @@ def projection_step(parameters: Parameters, state: State, workspace: Workspace, 
     if not state.ready[0]:
         renew(parameters, state, workspace)
     shifts = shifts_needed(parameters, state, time)
-    take_other_forces(parameters, state, workspace, time / shifts)
+    take_other_forces(parameters, state, workspace, time / shifts, time)
     kick_all(state, time)
     solved = project(parameters, state, workspace, time)
     if workspace.records_loads:

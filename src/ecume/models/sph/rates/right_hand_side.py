@@ -48,12 +48,12 @@ def evaluate_accelerations(parameters: Parameters, state: State, workspace: Work
     parameters = with_moved_solids(parameters, state)
     fill(parameters, state, workspace)
     _sum_pressure(parameters, workspace)
-    _store_acceleration(parameters, state, workspace, time)
+    _store_acceleration(parameters, state, workspace, time, 0.5 * time)
 
 
-def take_other_forces(parameters: Parameters, state: State, workspace: Workspace, time: float) -> None:
-    """Evaluate the accelerations at the present positions without the pressure, and the transport velocity of the next
-    drift.
+def take_other_forces(parameters: Parameters, state: State, workspace: Workspace, time: float, kick: float) -> None:
+    """Evaluate the accelerations at the present positions without the pressure for a kick (s), and the transport
+    velocity of the next drift.
     """
     parameters = with_moved_solids(parameters, state)
     fill(parameters, state, workspace)
@@ -61,7 +61,7 @@ def take_other_forces(parameters: Parameters, state: State, workspace: Workspace
     workspace.rates.acceleration[...] = 0.0
     if number(parameters.constants, "alpha") > 0.0:
         evaluate_sum(PRESSURE, parameters, workspace)
-    _store_acceleration(parameters, state, workspace, time)
+    _store_acceleration(parameters, state, workspace, time, 0.5 * kick)
 
 
 def take_shift(parameters: Parameters, state: State, workspace: Workspace, time: float) -> None:
@@ -87,7 +87,7 @@ def evaluate_rates(parameters: Parameters, state: State, workspace: Workspace, t
         evaluate_sum(chosen, parameters, workspace, settings=parameters.contrast)
         _correct_diffusion(parameters, state, workspace)
     _store_density_rate(parameters, state, workspace)
-    _store_acceleration(parameters, state, workspace, time)
+    _store_acceleration(parameters, state, workspace, time, 0.0)
 
 
 def _sum_stretch(parameters: Parameters, state: State, workspace: Workspace) -> None:
@@ -136,9 +136,11 @@ def conserve_volume(state: State, workspace: Workspace) -> None:
     workspace.rates.diffusion[: len(excess)] -= excess
 
 
-def _store_acceleration(parameters: Parameters, state: State, workspace: Workspace, time: float) -> None:
+def _store_acceleration(
+    parameters: Parameters, state: State, workspace: Workspace, time: float, half_kick: float
+) -> None:
     """Store the sum of the accelerations by pressure, gravity, friction, repulsion, bodies, surface tension, and user
-    laws.
+    laws. `half_kick` (s) is how far the velocities are behind the positions.
     """
     per_volume, rates = parameters.pressure_force.per_volume, workspace.rates
     density = workspace.fields.density[: len(state.density)].astype(np.float64, copy=False)
@@ -152,7 +154,7 @@ def _store_acceleration(parameters: Parameters, state: State, workspace: Workspa
         evaluate_sum(parameters.friction.sum, parameters, workspace)
         state.acceleration[...] += workspace.rates.acceleration[: parameters.dimension]
     if parameters.roll is not None:
-        moving = float(state.clock[0]), state.position, state.velocity
+        moving = float(state.clock[0]), state.position, state.velocity, (half_kick, state.acceleration)
         state.acceleration[...] += inertial_accelerations(parameters.roll, *moving)
     repel_from_walls(parameters, state)
     repel_from_drawn(parameters, state)

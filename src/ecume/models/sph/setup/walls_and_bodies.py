@@ -31,6 +31,7 @@ from ecume.models.sph.setup.shapes import (
     solids_of,
 )
 from ecume.scenes.sph import BaseExcitationSpec, BodyMotionSpec, BodySpec, MotionSpec, RollSpec, SphScene
+from ecume.scenes.sph.motions import tried
 from ecume.units import Array, with_prefix
 
 LAYERED = ("wall", "inflow", "outflow")
@@ -478,8 +479,8 @@ def fastest_rates(drive: Drive, duration: float) -> Array:
     if len(drive.times) > 1:
         rate = rate + np.abs(np.diff(drive.values) / np.diff(drive.times)).max(axis=1)
     if drive.formulas:
-        tried = np.linspace(0.0, duration, 10 * TRIED).tolist()
-        rate = rate + np.array([max(abs(formula_at(text, time)[1]) for time in tried) for text in drive.formulas])
+        fastest = [max(abs(formula_at(text, time)[1]) for time in tried(duration)) for text in drive.formulas]
+        rate = rate + np.array(fastest)
     return rate
 
 
