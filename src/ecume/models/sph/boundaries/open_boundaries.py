@@ -172,7 +172,7 @@ def carry_outflows(parameters: Parameters, state: State) -> None:
 def exchange_due(parameters: Parameters, state: State) -> bool:
     """Whether a particle enters, leaves or is lost in this step."""
     if not parameters.open_boundaries:
-        return 0 < int(number_beyond(state.position, parameters.bounds)) < state.position.shape[1]
+        return bool(0 < number_beyond(state.position, parameters.bounds) < state.position.shape[1])
     comes, out, back, gone = _crossings(parameters, state)
     return bool(len(comes) or len(out) or len(back) or gone.any())
 
