@@ -41,3 +41,7 @@ def test_values_that_do_not_exist_are_errors():
     for text in ("log(t - 1)", "1/t", "sqrt(-1 - t)", "(-1)**0.5", "9.0**9**9", "sin"):
         with pytest.raises((ArithmeticError, ValueError)):
             formula_at(text, 0.0)
+
+
+def test_a_function_without_an_argument_is_named():
+    assert formula_fault("t + sin(cos)") == "has the function cos without an argument; expected cos(...)"

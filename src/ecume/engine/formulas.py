@@ -64,7 +64,15 @@ def formula_fault(text: str) -> str:
         tree = _parsed(text)
     except (SyntaxError, ValueError, MemoryError, RecursionError):
         return f"got {text!r}; expected a formula of the time t in s, such as 0.05*sin(2*pi*t)"
-    return next((fault for node in ast.walk(tree) if (fault := _node_fault(node))), "")
+    return next((fault for node in ast.walk(tree) if (fault := _node_fault(node))), "") or _bare_function(tree)
+
+
+def _bare_function(tree: ast.expr) -> str:
+    """The fault of a function without its argument; empty without one."""
+    called = {node.func for node in ast.walk(tree) if isinstance(node, ast.Call)}
+    names = (node.id for node in ast.walk(tree) if isinstance(node, ast.Name) and node not in called)
+    bare = next((name for name in names if name not in {"t", "pi"}), "")
+    return f"has the function {bare} without an argument; expected {bare}(...)" if bare else ""
 
 
 @cache
