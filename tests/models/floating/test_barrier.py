@@ -277,7 +277,11 @@ def test_a_raft_that_is_stopped_keeps_the_energy_that_floats_at_rest_have():
         ({"integration": {"integrator": "rk4"}}, "which act at the ends of a step"),
         ({"contacts": {"law": "spring-dashpot", "stiffness": 1.0, "restitution": 0.5}}, "impulses that stop floats"),
         ({"barrier": {"side": "all", "both": True}}, "moves every side"),
-        ({"barrier": {"side": "all", "start": 0.005}, "dish": {"law": "meniscus"}}, "at a wall that closes"),
+        (
+            {"barrier": {"side": "all", "start": 0.005}, "dish": {"law": "meniscus"}},
+            "dish.law: got 'meniscus' at a wall",
+        ),
+        ({"barrier": {"side": "all", "start": 0.0}, "dish": {"image": "pinned"}}, "dish.image: got 'pinned' at a wall"),
         ({"barrier": {"side": "all", "start": 0.005}}, "dish.barrier.stop: the wall closes by 10 mm, where the floats"),
     ],
 )

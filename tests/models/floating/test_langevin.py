@@ -129,7 +129,8 @@ def test_elastic_collisions_do_not_change_the_temperature():
 @pytest.mark.parametrize(
     ("rest", "key"),
     [
-        ("[contacts]\nrestitution = 0.5\n", "contacts.restitution"),
+        ("[contacts]\nrestitution = 0.5\n", "contacts.restitution: got a restitution of 0.5"),
+        ("[contacts]\nlegacy_coefficient = 0.6\n", "contacts.legacy_coefficient: got a restitution of 0.2"),
         (FREE + "[dish]\nradius = 1e-3\nrestitution = 0.5\n", "dish.restitution"),
         ("[contacts]\nrestitution = 1.0\nfriction = 0.1\n", "integration.integrator: Brownian motion with inertia"),
     ],

@@ -62,8 +62,10 @@ def test_a_light_float_at_the_wall_goes_to_the_ends_of_the_long_axis():
     assert ends[0, 0] > 1.05 * ends[1, 1]
 
 
-def test_multipoles_and_straight_barriers_in_an_ellipse_are_refused():
+def test_multipoles_exact_menisci_and_straight_barriers_in_an_ellipse_are_refused():
     with pytest.raises(SceneError, match="multipole"):
         FLOATING.parameters(dish('shape = "ellipse"\nsize = [0.04, 0.03]\n[interaction]\nmethod = "multipole"'))
+    with pytest.raises(SceneError, match="'profile', which is not known for this shape"):
+        FLOATING.parameters(dish('shape = "ellipse"\nsize = [0.04, 0.03]\nlaw = "profile"'))
     with pytest.raises(SceneError, match="got an ellipse"):
         dish('shape = "ellipse"\nsize = [0.04, 0.03]\n[dish.barrier]\nvelocity = 0.001')

@@ -347,7 +347,9 @@ def law_of(dish: DishSpec, found: Meniscus) -> int:
     law = str(dish.law)
     if law not in found.laws:
         known = ", ".join(repr(name) for name in found.laws)
-        raise scene_error("dish.law", f"got {law!r}, which is for round dishes; expected one of {known}")
+        raise scene_error(
+            "dish.law", f"got {law!r}, which is not known for this shape of the dish; expected one of {known}"
+        )
     code = found.laws[law]
     if dish.image == "none":
         return code

@@ -140,11 +140,13 @@ def _require_elastic(scene: FloatingScene, chosen: Chosen) -> None:
     """Raise SceneError if collisions would cool floats with inertia and thermal noise below the temperature."""
     if not scene.hydrodynamics.brownian or not chosen.integrator.scheme.inertia:
         return
-    given = [("contacts.restitution", _restitution(scene))] if scene.contacts.law != "none" else []
+    key = "restitution" if scene.contacts.legacy_coefficient is None else "legacy_coefficient"
+    given = [(f"contacts.{key}", _restitution(scene))] if scene.contacts.law != "none" else []
     given += [("dish.restitution", scene.dish.restitution)] if scene.dish is not None else []
     faults = [
-        Fault(path, f"got {got:g}; expected 1 for hydrodynamics.brownian with inertia: collisions that lose energy "
-              "cool floats below liquid.temperature. With integration.integrator = 'overdamped' they do not rebound")
+        Fault(path, f"got a restitution of {got:g}; expected 1 for hydrodynamics.brownian with inertia: "
+              "collisions that lose energy cool floats below liquid.temperature. "
+              "With integration.integrator = 'overdamped' they do not rebound")
         for path, got in given if got < 1.0
     ]  # fmt: skip
     if faults:
