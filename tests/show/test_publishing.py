@@ -105,24 +105,27 @@ def test_the_numbers_of_a_figure_are_its_curves_to_the_last_digit(tmp_path):
 
 
 def test_the_numbers_of_points_with_errors_are_their_values_and_the_ends_of_the_bars(tmp_path):
-    """Caps of error bars were written as curves of their own."""
+    """Caps of error bars were written as curves of their own. Means of too few values have no error."""
 
     def with_bars(shift):
         made = figure()
         axes = made.subplots()
-        axes.errorbar([1.0, 2.0], [3.0 + shift, 5.0 + shift], yerr=[0.5, 0.25], xerr=0.125, capsize=2, label="mean")
+        height, unknown = np.array([3.0, 5.0, 6.0]) + shift, float("nan")
+        axes.errorbar([1.0, 2.0, 3.0], height, yerr=[0.5, 0.25, unknown], xerr=0.125, capsize=2, label="mean")
         axes.set(xlabel="rate (1/s)", ylabel="stress (Pa)")
         return made
 
     written_data(with_bars(0.0), tmp_path / "fig.csv")
-    first, second = csv.DictReader((tmp_path / "fig.csv").read_text().splitlines())
+    first, second, third = csv.DictReader((tmp_path / "fig.csv").read_text().splitlines())
     assert (first["series"], first["y_low"], first["y_high"]) == ("mean", "2.5", "3.5")
+    assert (third["x_low"], third["y"], third["y_low"], third["y_high"]) == ("2.875", "6.0", "nan", "nan")
     assert [float(second[each]) for each in ("x_low", "x", "x_high", "y")] == [1.875, 2.0, 2.125, 5.0]
     both = together([("one", with_bars(0.0)), ("two", with_bars(1.0))])
     written_data(both, tmp_path / "both.csv")
     rows = list(csv.DictReader((tmp_path / "both.csv").read_text().splitlines()))
     assert [(row["series"], row["y_low"]) for row in rows] == [
-        ("mean, one", "2.5"), ("mean, one", "4.75"), ("mean, two", "3.5"), ("mean, two", "5.75")
+        ("mean, one", "2.5"), ("mean, one", "4.75"), ("mean, one", "nan"),
+        ("mean, two", "3.5"), ("mean, two", "5.75"), ("mean, two", "nan"),
     ]  # fmt: skip
 
 

@@ -213,8 +213,8 @@ def _in_a_line(text: str) -> str:
 
 
 def _ends(bars: ErrorbarContainer) -> tuple[Array | None, Array | None]:
-    """The ends of the bars along x and y, (N, 2) each."""
-    ends = [np.array(each.get_segments(), dtype=np.float64) for each in bars[2]]
+    """The ends of the bars along x and y, (N, 2) each; NaN where an error is not known."""
+    ends = [np.array([path.vertices for path in each.get_paths()], dtype=np.float64) for each in bars[2]]
     across = ends.pop(0)[:, :, 0] if bars.has_xerr else None
     return across, ends.pop(0)[:, :, 1] if bars.has_yerr else None
 
