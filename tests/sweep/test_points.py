@@ -189,8 +189,10 @@ def test_templates_are_sweeps(tmp_path, name):
 
 
 @pytest.mark.parametrize(
-    ("value", "unit"), [("2 mm", "mm"), ("1e-3 mN/m", "mN/m"), ("0.5 1/s", "1/s"), ("3", ""), (2.0, ""), ("cells", "")]
-)
+    ("value", "unit"),
+    [("2 mm", "mm"), ("1e-3 mN/m", "mN/m"), ("0.5 1/s", "1/s"), ("3", ""), (2.0, ""), ("cells", ""),
+     ("0.07*sin(3*t)", ""), ("1 - cos(t)", "")],
+)  # fmt: skip
 def test_the_unit_of_a_value_is_what_follows_the_number(value, unit):
     assert _unit_in(value) == unit
 

@@ -183,7 +183,7 @@ def _unit_in(value: object) -> str:
     return match[2] if match else ""
 
 
-NUMBER_WITH_UNIT = re.compile(r"\s*([-+]?[0-9.]+(?:[eE][-+]?[0-9]+)?)(?:\s*(?=[^0-9.\s/])|\s+(?=1/))(.*?)\s*")
+NUMBER_WITH_UNIT = re.compile(r"\s*([-+]?[0-9.]+(?:[eE][-+]?[0-9]+)?)(?:\s*(?=[^0-9.\s/*+(-])|\s+(?=1/))(.*?)\s*")
 
 
 def representing(axis: Axis) -> Sequence[str]:
