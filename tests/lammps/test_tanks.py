@@ -133,6 +133,7 @@ REFUSED = {
     "tank.slip": {"liquid": "viscosity = 1e-3"},
     "tank.motion": {"top": 'right = { kind = "wall", velocity = [0.0, 0.1] }'},
     "base_excitation": {"more": "[base_excitation]\namplitude = [1.0, 0.0]\nfrequency = 1.0"},
+    "roll": {"more": "[roll]\namplitude = 0.05\nfrequency = 1.0"},
     "central_force": {"more": '[central_force]\nangular_frequency = 1.0\ncenter = ["4 cm", "1 cm"]'},
     "obstacles": {"more": '[[obstacles]]\ncenter = ["5 cm", "1 cm"]\nradius = "5 mm"'},
     "passive_tracers": {"more": '[[passive_tracers]]\npositions = [["2 cm", "1 cm"]]'},

@@ -150,6 +150,7 @@ def test_an_ellipsoid_that_turns_while_a_flow_carries_it_follows_the_flow():
     assert state.turning[0, 0] == pytest.approx(0.5 + rate * time, rel=1e-9)
 
 
+@pytest.mark.filterwarnings("ignore:integration.time_step.* is coarse:UserWarning")
 @pytest.mark.parametrize("integrator", ["velocity-verlet", "semi-implicit-euler", "overdamped"])
 def test_a_body_keeps_its_distance_from_the_center_of_a_rotation_to_second_order(integrator):
     """Drag acts within a step. With the flow of the beginning of a step the distance grows by half of the step in each

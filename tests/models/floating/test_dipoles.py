@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq
 
-from ecume.errors import SceneError
 from ecume.laws import capillarity, pair_laws
 from ecume.models import MODELS
 from ecume.models.floating.frames import observe
@@ -75,12 +74,6 @@ def test_two_magnets_come_to_rest_where_the_forces_cancel():
     workspace = FLOATING.workspace(parameters, state, 1.0)
     assert FLOATING.advance(parameters, state, workspace, parameters.steps_per_frame) == 0
     assert np.ptp(state.position[:, 0]) == pytest.approx(root, rel=1e-6)
-
-
-def test_what_magnets_do_not_go_with_is_reported():
-    scene = magnets([(0.0, 0.0), (4e-3, 0.0)], rest='[interaction]\nlaw = "one-sided-legacy"\n')
-    with pytest.raises(SceneError, match="needs a pair law that exerts equal and opposite forces"):
-        FLOATING.parameters(scene)
 
 
 def test_dipoles_add_to_multipoles():

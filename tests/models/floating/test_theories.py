@@ -48,10 +48,11 @@ def test_a_theory_brings_its_laws_and_what_is_named_overrules_it():
     assert linear.contacts.legacy_coefficient is None
 
 
-def test_drag_grows_with_the_reynolds_number_wherever_it_can():
+def test_drag_grows_with_the_reynolds_number_by_default():
+    """With the integrators that can, but for Stoermer's scheme, in which scenes of the first program have Stokes's."""
     for name, row in INTEGRATORS.items():
         by_speed = in_a_dish(ROUND, head=f'integration.integrator = "{name}"').drag == "schiller-naumann"
-        assert by_speed == ("fast drag" in row.gives)
+        assert by_speed == ("fast drag" in row.gives and name != "stormer-verlet")
     moving = in_a_dish(f"{ROUND}\n[dish.motion]\nfrequency = 1.0\namplitude = 1e-3")
     needle = in_a_dish(ROUND, kind=f'{HEAVY}shape = {{kind = "needle", width = 5e-4}}\n')
     assert (moving.drag, needle.drag) == ("stokes", "stokes")
@@ -208,7 +209,7 @@ def test_the_originals_scene_runs_and_its_unlike_pair_moves_off_by_itself():
 @pytest.mark.parametrize(
     ("dish", "head", "path", "said"),
     [
-        (RECTANGLE, 'theory = "legacy-2022"', "dish.law", "round dishes"),
+        (RECTANGLE, 'theory = "legacy-2022"', "dish.law", "not known for this shape of the dish"),
         (f'{ROUND}\nimage = "pinned"', 'theory = "legacy-2022"', "dish.image", "no images"),
         (f'{ROUND}\nimage = "sticky"', "", "dish.image", "no such law"),
         (f'{ROUND}\nlaw = "profil"', "", "dish.law", "did you mean 'profile'"),

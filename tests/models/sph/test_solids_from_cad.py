@@ -97,19 +97,20 @@ def test_a_drawn_tank_is_a_solid_of_this_name(tmp_path):
     """Names distinguish their sizes and forces, and messages count the obstacles of the file."""
     scene_of(tmp_path, sphere(400.0), HALF, "10 cm")
     path = tmp_path / "drawn.toml"
-    unitless = DRAWN.replace('outline_unit = "mm"', "")
+    post = DRAWN.replace('outline_unit = "mm"', 'outline_unit = "0.4 mm"')
     path.write_text(
         f'model = "sph"\nduration = 1\nframe_every = 1\nspacing = "10 cm"\n[tank]\n{DRAWN}'
         '[[fluid]]\nlow = [-0.2, -0.2, -0.2]\nhigh = [0.2, 0.2, 0.2]\n'
-        f'[[obstacles]]\nname = "post"\n{unitless}'
+        f'[[obstacles]]\nname = "post"\n{post}'
     )  # fmt: skip
     scene = load_scene(path)
     assert scene.obstacle_names == ("post", "tank")
-    found = [row[:2] for row in odd_values(path, [], scene) if "outline" in row[0]]
-    assert found == [("obstacles[0].outline_from", "800 × 800 × 800 m")]
     path.write_text(path.read_text().replace('"post"', '"tank"'))
     with pytest.raises(
         SceneError,
         match=r"^\S*: line 12, column 1: obstacles\[0\]\.name: got 'tank', the name of the drawn tank; choose another$",
     ):
+        load_scene(path)
+    path.write_text(path.read_text().replace('outline_unit = "0.4 mm"', "").replace('name = "tank"', 'name = "post"'))
+    with pytest.raises(SceneError, match=r"obstacles\[0\]: is 800 × 800 × 800 m, .* give the unit of the drawing"):
         load_scene(path)
