@@ -5,6 +5,7 @@ import math
 import numpy as np
 import pytest
 
+from ecume.analysis.boxes import SIDES
 from ecume.scenes.load import load_scene
 from ecume.show.floating.bowl import Bowl
 from ecume.show.floating.surface import outlines_in, shapes_of, sheet, surface
@@ -76,3 +77,24 @@ def test_the_page_has_outlines_around_discs_inside_them():
     assert chunk.header["movers"] == [121, 121]
     assert stage.inner == pytest.approx([0.3e-3, 1e-3 / (0.9 * math.sqrt(2.0) + 0.1)], rel=1e-3)
     assert chunk.header["ranges"]["array/radius"] == pytest.approx([*stage.inner])
+
+
+def test_the_page_has_outlines_of_floats_and_of_what_is_behind_a_barrier():
+    barred = '[dish]\nsize = [0.03, 0.02]\nlaw = "none"\n[dish.barrier]\nvelocity = 1e-3\n'
+    frame = framed(0.3)
+    moving = floating_stage(load_scene(SCENE + barred), [frame]).movers(frame)
+    assert [len(each) for each in moving] == [121, 121, 5]
+
+
+def test_the_surface_goes_on_across_the_border_of_a_cell_as_around_images():
+    scene = load_scene(SCENE + "[cell]\nsize = [0.1, 0.1]\n")
+    seen = view_around(0.05, 0.05, 0.1, 0.1)
+    heights = []
+    for place, shift in ((0.0999, 0), (0.0499, 25)):
+        frame = framed(0.3, ((place, 0.05), (place - 0.05, 0.02)))
+        frame = frame._replace(numbers=frame.numbers | dict.fromkeys(SIDES[:2], 0.1))
+        on = sheet(scene, seen, cells=50, closest=1e-3)
+        heights.append(np.roll(surface(frame, on), shift, axis=1))
+    highest = float(np.abs(heights[0]).max())
+    assert highest > 1e-6
+    assert heights[0] == pytest.approx(heights[1], abs=1e-3 * highest)

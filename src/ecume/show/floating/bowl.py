@@ -15,6 +15,7 @@ from matplotlib.figure import Figure
 from matplotlib.image import AxesImage
 from matplotlib.patches import Patch, Polygon
 
+from ecume.analysis.boxes import box_of, copies
 from ecume.analysis.series import Flags
 from ecume.engine.walls import surfaces
 from ecume.models.floating.dishes import behind_barrier, outline_of, walls_of
@@ -25,8 +26,8 @@ from ecume.show.floating.surface import (
     shapes_of,
     sheet,
     surface,
+    turned,
     typical_meniscus,
-    with_images,
 )
 from ecume.show.picture import (
     DPI,
@@ -144,9 +145,9 @@ class Bowl(Picture):
         if self.shapes is None:
             self.floats.set_offsets(frame.arrays["position"])
             self.rises.set_segments(self._marks(frame))
-            self._show_images(frame)
         else:
             self.floats.set_verts(outlines_in(frame, self.shapes))
+        self._show_images(frame)
         self.behind.set_verts(behind_barrier(self.dish, frame.numbers.get("barrier_position", 0.0)))
         self.time.set_text(f"{frame.time:.2f} s{self.pace}")
 
@@ -161,11 +162,16 @@ class Bowl(Picture):
 
     def _show_images(self, frame: Frame) -> None:
         """Draw the images of floats around a periodic cell in paler colors."""
-        count, radius = len(frame.arrays["position"]), float(frame.arrays["radius"].max())
-        arrays = with_images(frame, BESIDE * self.view.width + radius).arrays
-        place, sizes = arrays["position"][count:], arrays["radius"][count:]
-        self.images.set_verts(list(place[:, None] + sizes[:, None, None] * CIRCLE))
-        self.images.set_facecolor([self.pale[kind] for kind in arrays["species"][count:]])
+        arrays, count, shapes = frame.arrays, len(frame.arrays["position"]), self.shapes
+        around = copies(arrays["position"], box_of(frame), BESIDE * self.view.width + float(arrays["radius"].max()))
+        place, owner = around.position[count:], around.owner[count:]
+        if shapes is None:
+            found = list(place[:, None] + arrays["radius"][owner, None, None] * CIRCLE)
+        else:
+            bodies = zip(owner, arrays["angle"][owner], place, strict=True)
+            found = [turned(shapes.outlines[i], angle) + at for i, angle, at in bodies]
+        self.images.set_verts(found)
+        self.images.set_facecolor([self.pale[kind] for kind in arrays["species"][owner]])
 
     def _painted(self, height: Heights) -> Pixels:
         """The colors of heights, before interpolation to the more numerous pixels of the picture."""

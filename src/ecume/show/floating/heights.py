@@ -91,7 +91,7 @@ def _menisci_on_grid(scene: Any, frame: Frame, x: Array, y: Array) -> Array:
     arrays = with_images(frame, REACH * length).arrays
     places, closest, charges = arrays["position"], arrays["radius"], arrays["charge"]
     if shapes is not None:
-        places, charges = charges_in(frame, shapes), shapes.charge
+        places, charges = charges_in(frame, shapes, REACH * length)
         closest = np.full(len(charges), INSIDE * float(arrays["radius"].min()))
     height = np.zeros((len(y), len(x)))
     for (px, py), least, charge in zip(places, closest, charges, strict=True):

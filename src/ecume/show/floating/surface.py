@@ -73,11 +73,13 @@ def outlines_in(frame: Frame, shapes: Shapes) -> list[Array]:
     return [turned(outline, angle) + place for outline, angle, place in each]
 
 
-def charges_in(frame: Frame, shapes: Shapes) -> Array:
-    """The positions (P, 2) of the charges in a frame."""
+def charges_in(frame: Frame, shapes: Shapes, margin: float) -> tuple[Array, Array]:
+    """The positions (P, 2) of the charges in a frame, with their images less than a margin (m) outside a periodic
+    cell, and the charges (m).
+    """
     angle, position = frame.arrays["angle"][shapes.owner], frame.arrays["position"][shapes.owner]
-    places: Array = turned(shapes.place, angle) + position
-    return places
+    around = copies(turned(shapes.place, angle) + position, box_of(frame), margin)
+    return around.position, shapes.charge[around.owner]
 
 
 def polygons(axes: Axes, frame: Frame, shapes: Shapes, kinds: Sequence[Species]) -> PolyCollection:
@@ -247,8 +249,8 @@ def surface(frame: Frame, on: Sheet) -> Heights:
     arrays = with_images(frame, on.reach).arrays
     menisci = zip(arrays["position"], arrays["radius"], arrays["charge"], strict=True)
     if on.shapes is not None:
-        closest = np.full(len(on.shapes.charge), on.closest)
-        menisci = zip(charges_in(frame, on.shapes), closest, on.shapes.charge, strict=True)
+        places, charges = charges_in(frame, on.shapes, on.reach)
+        menisci = zip(places, np.full(len(charges), on.closest), charges, strict=True)
     for (px, py), radius, charge in menisci:
         rows, columns = near(on.y, py, on.reach), near(on.x, px, on.reach)
         r = np.sqrt((on.x[columns] - px) ** 2 + ((on.y[rows] - py) ** 2)[:, None])

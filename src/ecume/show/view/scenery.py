@@ -5,7 +5,6 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Callable, Sequence
-from functools import partial
 from typing import Any, NamedTuple, Protocol
 
 import numpy as np
@@ -348,11 +347,17 @@ def floating_stage(scene: Any, sample: Sequence[Frame]) -> Stage:
 
 
 def _moving_outlines(scene: Any, shapes: Any) -> Any:
-    """A function for the outlines of floats with a shape, or of the region behind a barrier, in a frame; or None."""
-    if scene.dish is not None and scene.dish.barrier is not None:
-        behind = partial(behind_barrier, scene.dish)
-        return lambda frame: [closed(one) for one in behind(frame.numbers.get("barrier_position", 0.0))]
-    return None if shapes is None else lambda frame: [closed(one) for one in outlines_in(frame, shapes)]
+    """A function for the outlines of floats with a shape, and of the region behind a barrier, in a frame; or None."""
+    dish = scene.dish
+    if shapes is None and (dish is None or dish.barrier is None):
+        return None
+
+    def moving(frame: Frame) -> list[Array]:
+        bodies = [] if shapes is None else outlines_in(frame, shapes)
+        behind = behind_barrier(dish, frame.numbers.get("barrier_position", 0.0))
+        return [closed(one) for one in [*bodies, *behind]]
+
+    return moving
 
 
 def _borders(scene: Any) -> list[Line]:
