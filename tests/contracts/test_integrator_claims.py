@@ -48,6 +48,7 @@ def test_an_option_acts_as_with_velocity_verlet(integrator, capability):
     assert np.linalg.norm(end_with(integrator, capability, chosen=True) - wanted) < ACCURACY * effect
 
 
+@pytest.mark.uncompiled  # compiled code has its functions already
 @pytest.mark.parametrize("capability", OPTIONS)
 def test_a_claim_that_is_false_is_noticed(capability, monkeypatch):
     """The classical Runge-Kutta scheme has no drag by speed, and here no force of the dish."""

@@ -66,6 +66,7 @@ CALLED = {
     "CentralForceSpec": "`[central_force]`", "ObstacleSpec": "`[[obstacles]]`", "BodySpec": "`[[bodies]]`",
     "PassiveTracerSpec": "`[[passive_tracers]]`", "GaugeSpec": "`[[gauges]]`", "MethodSpec": "`[method]`",
     "IntegrationSpec": "`[integration]`", "SecondLiquidSpec": "`[second_liquid]`", "BodyMotionSpec": "motion of a body",
+    "RollSpec": "`[roll]`",
 }  # fmt: skip
 """What the table calls each part of a scene; shapes are a part of regions, obstacles and bodies."""
 NAMED = {
