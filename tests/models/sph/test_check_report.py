@@ -403,3 +403,17 @@ def test_shifting_that_a_scene_selects_without_any_viscosity_is_remarked(change,
     """
     changes = ["tank.high=[0.5, 1.2]", change] if not change.startswith("tank") else [change]
     assert ("shifting" in said(ecume.load_scene(text, changes))) == there
+
+
+def test_what_moves_the_whole_tank_is_stated_with_what_it_does_to_the_liquid():
+    """A sine of 0.1 rad at 2 rad/s, about the middle of the floor of a tank of 1 m by 1.5 m."""
+    plain = to_plain(tank())
+    plain["duration"] = 4.0
+    plain["tank"] |= {"low": [0.0, 0.0], "high": [1.0, 1.5]}
+    plain["roll"] = {"amplitude": 0.1, "frequency": 1.0 / np.pi}
+    plain["base_excitation"] = {"formula": ["0.3*sin(t)", "0.4*sin(t)"]}
+    rows, arm = said(from_plain(plain)), np.hypot(0.5, 1.5)
+    assert rows["base excitation"][0] == "500 mm/s^2"
+    angle, remark = rows["roll"]
+    assert angle == "5.73°"
+    assert f"{1e3 * 0.4 * arm:.3g} mm/s^2 of Euler's and {1e3 * 0.04 * arm:.3g} mm/s^2 of the centrifugal" in remark

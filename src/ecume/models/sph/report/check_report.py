@@ -22,6 +22,7 @@ from ecume.models.sph.fields import number
 from ecume.models.sph.parameters import Material, Parameters, Projection
 from ecume.models.sph.rates.surface_tension import NODES, TENSIONS
 from ecume.models.sph.report.energy_budget import has_external_work, has_numerical_work
+from ecume.models.sph.report.motion_rows import motion_rows
 from ecume.models.sph.report.observation import NUMBER_UNITS
 from ecume.models.sph.setup.building import fastest_of, limiter, limits_of, weight_enthalpy
 from ecume.models.sph.setup.choices import (
@@ -296,6 +297,7 @@ def advice(scene: SphScene, parameters: Parameters, position: Array, bytes_each:
         *_tension(scene, parameters),
         *uniform_inflows(scene),
         *covered_regions(scene),
+        *motion_rows(scene, parameters),
         *regime_rows(scene, parameters),
         *first_impact(scene),
         *_cost(scene, parameters, count, bytes_each),
