@@ -118,8 +118,8 @@ def formula_at(text: str, time: float) -> Jet:
 
 def _jet(node: ast.expr, time: float) -> Jet:
     match node:
-        case ast.Constant(value=value):
-            return float(value), 0.0, 0.0  # type: ignore[arg-type]
+        case ast.Constant(value=int() | float() as value):
+            return float(value), 0.0, 0.0
         case ast.Name(id="t"):
             return time, 1.0, 0.0
         case ast.Name(id="pi"):

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from scipy.spatial import cKDTree
 
 import ecume
 from tests.models.floating.brownian_discs import RADIUS, discs_at
@@ -31,6 +32,8 @@ def test_a_hundred_discs_have_the_pair_distribution_and_the_pressure_of_monte_ca
     found = gap_counts(np.array(frames[20:]), side, edges)
     # Two thousand configurations of Monte Carlo are within 2 %.
     assert found == pytest.approx(gap_counts(monte_carlo(100, side, 12_000, 1), side, edges), rel=0.06)
+    place = np.mod(frames[-1], side)
+    assert not cKDTree(place, boxsize=side).query_pairs(2.0 - 1e-4)
     # The pressure over that of an ideal gas is 1 + 2 eta g at contact: (1 - 7 eta/16)/(1 - eta)^2 by Henderson.
     contact = (found / ideal_counts(100, side, edges))[:3].mean()
     assert contact == pytest.approx((1.0 - 7.0 * 0.3 / 16.0) / 0.7**2, rel=0.03)

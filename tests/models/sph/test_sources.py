@@ -290,7 +290,7 @@ def drawing_of(corners):
     ],
 )
 def test_a_fault_of_a_drawn_tank_is_one_line_at_its_key(tmp_path, changed, says):
-    """It came with a second fault, of the missing tank.high, or as that of an obstacle that nobody wrote."""
+    """It came with a second fault, of the missing tank.high, or as that of an obstacle that is not in the file."""
     (tmp_path / "scene.toml").write_text(TANK)
     text = drawing_of([(0, 0), (20, 0), (20, 10), (0, 10)])
     (tmp_path / "tank.dxf").write_text("\ufeff" + text.replace("\r\n", "\n"), newline="\r\n")

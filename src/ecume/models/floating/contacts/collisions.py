@@ -16,7 +16,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
 
 import numpy as np
 
@@ -286,9 +286,13 @@ def variant_of(part: Any, parameters: Parameters, pushed: bool) -> Any:
     return kind(*part)
 
 
-def impulses_at_step(part: Any, parameters: Parameters, turned: Array | None, pushed: bool) -> Any:
+Smooth = TypeVar("Smooth", Impulses, Outlined)
+
+
+def impulses_at_step(part: Smooth, parameters: Parameters, turned: Array | None, pushed: bool) -> Smooth:
     """Return the part in the type that this scene requires."""
-    return variant_of(part, parameters, pushed)
+    found: Smooth = variant_of(part, parameters, pushed)
+    return found
 
 
 class Solver(NamedTuple):

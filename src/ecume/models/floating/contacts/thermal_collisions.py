@@ -308,7 +308,7 @@ def add_bodies_within(
 ) -> int:
     """Add all floats that have a contact and whose centers are within `reach` of those of this one to the list of
     `bodies_of`. Returns their number.
-    """  # fmt: skip
+    """
     (changed, last), first, count = found, around[0], len(found[0])
     for other in range(count):
         if last[other] == meetings or first[other + 1] == first[other]:

@@ -428,7 +428,7 @@ def barrier_of(parameters: Parameters, scene: FloatingScene) -> Built:
         narrowing if barrier.closes else 0.0, limit, smoothing,
     )  # fmt: skip
     if barrier.closes:
-        _require_room_around(part, parameters, scene, walls)
+        _require_room_around(barrier, parameters, walls, farthest_place(part, scene.duration))
     else:
         across = SIDES.index(barrier.side) + 1  # a side that the barrier meets
         _require_room(part, parameters, scene, lengths[across % len(SIDES)])
@@ -446,11 +446,11 @@ def _lengths(walls: Walls) -> tuple[list[float], float]:
     return lengths.tolist(), 2.0 * float(np.sum(np.tan(0.5 * turns)))
 
 
-def _require_room_around(part: Barrier, parameters: Parameters, scene: FloatingScene, walls: Walls) -> None:
-    """Raise SceneError if the floats cannot fit into what a wall that closes leaves, or if it loses a side."""
-    barrier = scene.dish.barrier  # type: ignore[union-attr]
-    farthest, radius = farthest_place(part, scene.duration), parameters.floats.radius
-    key = f"dish.barrier.{_key_of_place(barrier, farthest)}"  # type: ignore[arg-type]
+def _require_room_around(barrier: BarrierSpec, parameters: Parameters, walls: Walls, farthest: float) -> None:
+    """Raise SceneError if the floats cannot fit into what a wall that closes leaves at its farthest place (m), or if it
+    loses a side.
+    """
+    radius, key = parameters.floats.radius, f"dish.barrier.{_key_of_place(barrier, farthest)}"
     ends = surfaces.side_ends(walls._replace(offset=walls.offset + farthest + float(radius.max())))
     fits = bool(np.all(ends[:, 1] > ends[:, 0]))
     covered = math.pi * float(np.sum(radius**2))
