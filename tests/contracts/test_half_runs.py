@@ -29,6 +29,7 @@ from tests.models.sph import (
     test_incompressible,
     test_open_boundaries,
     test_passive_particles,
+    test_rolling_tanks,
     test_second_liquid,
 )
 from tests.models.sph.scenes import tank
@@ -254,6 +255,8 @@ LONGER = {
     "an incompressible tank": (lambda: test_incompressible.tank(8), 12, ()),
     "a shaken tank with a body": (shaken_tank, 60, ()),
     "a body on a path": (lambda: test_driven_bodies.driven(test_driven_bodies.LAWS["table"]), 20, ()),
+    "solids that formulas move": (test_driven_bodies.moved_by_formulas, 40, ()),
+    "a tank that rolls": (test_rolling_tanks.basin, 30, ()),
     "stacked liquids": (lambda: test_second_liquid.stacked(5.0, deep=8, method={"jitter": 0.1}), 8, (plain_only,)),
     **{
         f"surfactant, random scene {seed}": (lambda seed=seed: test_surfactant.random_scene(seed)[0], 12, (plain_only,))

@@ -71,6 +71,7 @@ FAMILIES = {
         "grains": {"passive_tracers": [{"positions": [[0.1, 0.2]], "radius": 0.01, "density": 2.0}]},
     },
     "base_excitation": {"base excitation": {"base_excitation": {"amplitude": [0.05, 0.0], "frequency": 1.0}}},
+    "roll": {"roll": {"roll": {"amplitude": 0.05, "frequency": 1.0}}},
     "central_force": {
         "central force": {"central_force": {"angular_frequency": 1.0, "center": [0.5, 0.5]}, "gravity": [0.0, 0.0]},
     },

@@ -8,7 +8,6 @@ import pytest
 
 import ecume
 from ecume.errors import SceneError
-from ecume.models.model import DONE
 from ecume.models.sph.boundaries.driven_bodies import on_path
 from ecume.models.sph.boundaries.rigid_bodies import drive_at
 from ecume.models.sph.record import SPH
@@ -189,18 +188,11 @@ def test_a_formula_is_the_sine_that_it_spells(place):
     assert drives[0][3] == pytest.approx(drives[1][3])
 
 
-@pytest.mark.compiled
-def test_half_a_run_twice_is_the_run_where_formulas_move_solids():
+def moved_by_formulas():
+    """A body that goes and turns, and a side that moves, by formulas."""
     motion = {"formula": ["0.03*sin(9*t)*tanh(20*t)", "0"], "angle_formula": "0.1*sin(5*t)"}
     left = {"motion": {"formula": "0.01*(1 - cos(7*t))"}}
-    scene = dataclasses.replace(driven(motion, tank={"left": left}), duration=0.1, frame_every=0.05)
-    parameters = SPH.parameters(scene)
-    whole, half = SPH.start(scene, parameters), SPH.start(scene, parameters)
-    assert SPH.advance(parameters, whole, SPH.workspace(parameters, whole, 1.0), 40) == DONE
-    for _ in range(2):
-        assert SPH.advance(parameters, half, SPH.workspace(parameters, half, 1.0), 20) == DONE
-    np.testing.assert_array_equal(half.position, whole.position)
-    np.testing.assert_array_equal(half.pose, whole.pose)
+    return dataclasses.replace(driven(motion, tank={"left": left}), duration=0.1, frame_every=0.05)
 
 
 def test_a_pivot_holds_its_place():

@@ -7,7 +7,6 @@ import pytest
 
 import ecume
 from ecume.errors import SceneError
-from ecume.models.model import DONE
 from ecume.models.sph.boundaries.rolling import inertial_accelerations
 from ecume.models.sph.record import SPH
 from ecume.scenes.schema import from_plain, to_plain
@@ -85,18 +84,6 @@ def test_liquid_in_a_tank_that_rolls_gains_no_more_than_the_work_of_its_forces()
     x, y = frames[-1].arrays["position"].T
     tops = y[x < 0.1].max(), y[x > 0.8].max()
     assert tops[0] > tops[1] + 0.01  # counterclockwise: the left side went down
-
-
-@pytest.mark.compiled
-def test_half_a_run_twice_is_the_run():
-    scene = basin()
-    parameters = SPH.parameters(scene)
-    whole, half = SPH.start(scene, parameters), SPH.start(scene, parameters)
-    assert SPH.advance(parameters, whole, SPH.workspace(parameters, whole, 1.0), 30) == DONE
-    for _ in range(2):
-        assert SPH.advance(parameters, half, SPH.workspace(parameters, half, 1.0), 15) == DONE
-    np.testing.assert_array_equal(half.position, whole.position)
-    np.testing.assert_array_equal(half.velocity, whole.velocity)
 
 
 def test_three_dimensions_roll_as_two_do():
