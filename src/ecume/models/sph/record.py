@@ -181,9 +181,8 @@ def bytes_of_arrays(scene: SphScene) -> float:
     dimension, spacing = len(scene.tank.low), scene.spacing
     reach = FIRST_LISTS * kernel_of(scene).support * smoothing_of(scene)
     number = INT32 if scene.method.precision == "single" else DOUBLE
-    state = DOUBLE * (
-        4 * dimension + 5
-    )  # position, velocity, acceleration, reference; density, its rate, mass, numbers
+    # position, velocity, acceleration, reference; density, its rate, mass, numbers
+    state = DOUBLE * (4 * dimension + 5)
     fields = number * (3 * dimension + 9)  # position and two velocities; nine scalars
     rates = number * (dimension + 2)
     made = DOUBLE * 2 * dimension + INT32 * 2  # two orders of positions; cells, and the places in them

@@ -259,7 +259,7 @@ def formula_faults(texts: Iterable[str], duration: Time, *, from_zero: bool) -> 
     """The faults of formulas that have no value at some time of a run, or do not begin at 0."""
     for text in texts:
         if from_zero and abs(_value(text, 0.0)) > 1e-12:
-            yield f"got {text!r}, which is {_value(text, 0.0):.3g} at t = 0; expected 0, where the solid is drawn"
+            yield f"got {text!r}, which is {_value(text, 0.0):.3g} at t = 0; expected 0, as the solid is drawn"
             continue
         if (bad := next((time for time in tried(duration) if not math.isfinite(_value(text, time))), None)) is not None:
             yield f"got {text!r}, which with its derivatives has no finite value at t = {bad:.3g} s"

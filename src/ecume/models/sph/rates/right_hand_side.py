@@ -113,7 +113,7 @@ def _sum_pressure(parameters: Parameters, workspace: Workspace) -> None:
 
 
 def _store_density_rate(parameters: Parameters, state: State, workspace: Workspace) -> None:
-    if takes_up(parameters):
+    if parameters.bodies.shapes and takes_up(parameters):
         workspace.rates.continuity[...] += taken_up(parameters, state, workspace)
     store_density_rate(state.density_rate, workspace.rates.table, state.density, parameters.pressure_force.by_mass)
     if parameters.fixed_volume:

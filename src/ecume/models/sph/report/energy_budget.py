@@ -347,13 +347,12 @@ def power_of_dummies(now: Parameters, state: State, workspace: Workspace) -> flo
         counted[(root < count) & (state.zone[np.minimum(root, count - 1)] > 0)] = 0.0
     power = np.zeros(real - count)
     dummy_powers(fields.table, counted, count, lists, now.constants, power)
-    return float(np.sum(power)) + power_taken_up(now, state, workspace)
+    stored = power_taken_up(now, state, workspace) if now.bodies.shapes and takes_up(now) else 0.0
+    return float(np.sum(power)) + stored
 
 
 def power_taken_up(now: Parameters, state: State, workspace: Workspace) -> float:
     """The power (W) by which the liquid stores the compression of dummies, from filled fields."""
-    if not takes_up(now):
-        return 0.0
     fields, count = workspace.fields, state.position.shape[1]
     stored = (fields.weight * fields.force_term)[:count] * taken_up(now, state, workspace)
     return float(np.sum(stored[state.zone == 0]))
