@@ -275,3 +275,15 @@ def test_a_folder_of_the_user_beside_a_list_of_frames_is_kept(recorded: Recorded
         export(folder, "pvd", tmp_path / "bowl.pvd")
     assert (tmp_path / "bowl.part" / "thesis.txt").read_text() == "mine"
     assert len(list((tmp_path / "bowl").iterdir())) == 2
+
+
+@pytest.mark.parametrize("kind", ["csv", "xyz", "vtk", "pvd"])
+def test_frames_that_all_particles_have_left_are_exported(frames: Frames, tmp_path: Path, kind: str) -> None:
+    """Arrays with components, too, have no rows then."""
+    first, last = frames(2)
+    with Recorder(tmp_path / "traj") as recorder:
+        recorder.write(first, 0)
+        recorder.write(last._replace(arrays={name: array[:0] for name, array in last.arrays.items()}), 1)
+    there = export(tmp_path, kind, tmp_path / f"out.{kind}")
+    if kind == "csv":
+        assert len(there.read_text().splitlines()) == 1 + len(first.arrays["mass"])

@@ -371,8 +371,11 @@ def view_of(setting: Setting, frames: Sequence[Frame]) -> View:
 
 
 def color_bar(axes: Axes, coloring: Coloring, sample: Sequence[Frame]) -> ScalarMappable:
-    """The color bar to the right of the tank; its range is that of the sampled frames without rare values."""
+    """The color bar to the right of the tank; its range is that of the sampled frames without rare values, and begins
+    at 0 where all particles have left.
+    """
     values = np.concatenate([coloring.values(frame) for frame in sample])
+    values = values if len(values) else np.zeros(1)
     low = float(np.quantile(values, RARE, method="lower"))
     high = float(np.quantile(values, 1.0 - RARE, method="higher"))
     mapping = ScalarMappable(Normalize(low, high if high > low else low + 1.0), coloring.colors)

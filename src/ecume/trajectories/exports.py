@@ -20,6 +20,7 @@ import base64
 import contextlib
 import io
 import json
+import math
 import os
 import shutil
 import zipfile
@@ -389,7 +390,7 @@ def _headings(frame: Frame, names: Sequence[str], units: Any) -> Iterator[str]:
 
 
 def _components(array: NDArray[Any]) -> list[NDArray[Any]]:
-    return list(array.reshape(len(array), -1).T) if array.ndim > 1 else [array]
+    return list(array.reshape(len(array), math.prod(array.shape[1:])).T) if array.ndim > 1 else [array]
 
 
 def _xyz_columns(frame: Frame) -> tuple[str, list[list[Any]]]:

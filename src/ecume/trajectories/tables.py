@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import importlib
+import math
 import re
 from collections.abc import Iterable, Sequence
 from typing import Any, Protocol
@@ -68,7 +69,8 @@ def of_particles(frames: Sequence[Frame]) -> Columns:
     }
     for name in shared:
         values = np.concatenate([frame.arrays[name] for frame in frames])
-        columns |= dict(_components(name, values.reshape(len(values), -1), scalar=values.ndim == 1))
+        rows = values.reshape(len(values), math.prod(values.shape[1:]))
+        columns |= dict(_components(name, rows, scalar=values.ndim == 1))
     return columns
 
 

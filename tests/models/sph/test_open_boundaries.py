@@ -187,3 +187,26 @@ def test_a_channel_that_starts_from_rest_lets_out_what_comes_in():
     assert len(last.arrays["mass"]) == pytest.approx(len(first.arrays["mass"]), abs=4)
     assert last.arrays["velocity"][:, 0].mean() == pytest.approx(0.5, abs=0.1)
     assert last.numbers["particles_left"] == pytest.approx(50, abs=4)
+
+
+@pytest.mark.compiled
+@pytest.mark.parametrize("seed", [0, 1, 2])
+def test_an_outflow_in_the_floor_lets_all_liquid_fall_out(seed):
+    """Without a level its pressure is that at the floor, however high the tank: the liquid falls freely. Once all has
+    left, frames are empty.
+    """
+    dice = np.random.default_rng(seed)
+    low, depth, room = dice.uniform(-1.0, 1.0), dice.uniform(0.15, 0.25), dice.uniform(0.1, 2.0)
+    plain = {
+        "model": "sph", "duration": 0.4, "frame_every": 0.05, "spacing": 0.025, "liquid": {"maximum_speed": 4.0},
+        "tank": {
+            "low": [0.0, low], "high": [0.3, low + depth + room], "bottom": {"kind": "outflow"},
+            "top": {"kind": "open"},
+        },
+        "fluid": [{"low": [0.0, low], "high": [0.3, low + depth]}],
+    }  # fmt: skip
+    frames = list(ecume.simulate(from_plain(plain)))
+    assert frames[1].arrays["velocity"][:, 1].mean() == pytest.approx(-9.81 * 0.05, rel=0.15)
+    assert len(frames[-1].arrays["mass"]) == 0
+    assert frames[-1].numbers["largest_speed"] == frames[-1].numbers["front"] == 0.0
+    assert frames[-1].numbers["particles_lost"] == 0.0

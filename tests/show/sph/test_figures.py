@@ -175,3 +175,13 @@ def test_the_surface_does_not_run_around_solids(solids):
     across, heights = np.concatenate([line.get_data() for line in axes.lines[:-1]], axis=1)
     assert heights == pytest.approx(0.5, abs=0.03)
     assert (np.abs(across - 1.0) < 0.15).any() == ("obstacles" in solids)
+
+
+def test_figures_of_a_tank_that_all_liquid_has_left_are_drawn_or_refused_in_a_sentence(scene, frames):
+    last = frames[-1]
+    empty = last._replace(time=2.0 * last.time, arrays={name: array[:0] for name, array in last.arrays.items()})
+    for what in ("snapshot", "velocity", "energies", "surface"):
+        SPH_FIGURES[what]([*frames, empty], scene)
+    for what in ("pressure", "dynamic-pressure"):
+        with pytest.raises(BadInput, match="all liquid has left the tank"):
+            SPH_FIGURES[what]([*frames, empty], scene)

@@ -203,7 +203,9 @@ class OpenBoundary(NamedTuple):
     layers: int
     """of the buffer, one spacing each"""
     pressure: float
-    """Pa, at the top of the open part of an outflow"""
+    """Pa, of an outflow at its level"""
+    level: float
+    """m: the height of the top of the open part, or of an opening in the floor or at the top"""
 
 
 class Projection(NamedTuple):

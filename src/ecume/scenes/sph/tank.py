@@ -110,8 +110,8 @@ class SideSpec:
     """The velocity profile of an inflow: `uniform` or `parabolic`, that of a viscous liquid between walls. Effect:
     `parabolic` avoids accumulation at no-slip walls."""
     level: Coordinate | None = None
-    """The height of the liquid at an inflow or outflow (m); by default the whole side. Effect: higher
-    levels carry more liquid."""
+    """The height of the liquid at an inflow or outflow (m); by default the whole side, and in a floor that of the
+    floor. Effect: higher levels carry more liquid."""
     pressure: Annotated[Pressure, Field(ge=-1e12, le=1e12)] = 0.0
     """The gauge pressure of an outflow at its level (Pa); the weight of the liquid is added. Effect: higher
     pressures hold the liquid back."""

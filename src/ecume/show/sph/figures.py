@@ -104,10 +104,12 @@ def dynamic_pressure(frames: Frames, scene: SphScene) -> Figure:
 
 
 def _heights(frame: Frame, scene: SphScene) -> tuple[Array, float]:
-    """The heights of the particles, and the magnitude of gravity."""
+    """The heights of the particles, and the magnitude of gravity. Raises BadInput where neither has a meaning."""
     pull, up = np.array(scene.gravity), scene.up_axis
     if not pull[up] < 0.0 or np.delete(pull, up).any():
         raise BadInput(f"gravity does not point down along {scene.up}; the hydrostatic pressure is not defined")
+    if not len(frame.arrays["position"]):
+        raise BadInput(f"all liquid has left the tank at {frame.time:.4g} s, the time of this figure")
     return frame.arrays["position"][:, up], -float(pull[up])
 
 
@@ -193,7 +195,9 @@ def velocity(frames: Frames, scene: SphScene) -> Figure:
     """Velocities along two lines through the middle of the tank: u along the vertical one, v (or w in tanks in which z
     points up) along the horizontal one.
     """
-    chosen = _instants(frames, 3)
+    chosen = [frame for frame in _instants(frames, 3) if len(frame.arrays["position"])]
+    if not chosen:
+        raise BadInput("all liquid has left the tank at the times of this figure")
     level = [_along(frame, scene, axis=0) for frame in chosen]
     axis = scene.up_axis
     upright = [_along(frame, scene, axis) for frame in chosen]

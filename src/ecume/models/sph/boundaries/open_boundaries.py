@@ -109,7 +109,7 @@ def set_buffer_pressures(parameters: Parameters, state: State) -> None:
     pull, tait = parameters.gravity, cast(Tait, parameters.equation_of_state)
     up = up_axis(parameters)
     for opening in parameters.open_boundaries:
-        head = opening.pressure / parameters.material.density - float(pull[up] * opening.high[up])
+        head = opening.pressure / parameters.material.density - float(pull[up] * opening.level)
         if opening.enters:
             reach = opening.place, opening.place + opening.inward * parameters.support
             head = mean_head(state.density, state.position, state.zone, pull, tait, opening.axis, reach)

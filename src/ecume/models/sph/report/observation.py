@@ -579,11 +579,12 @@ def weight_above(parameters: Parameters, position: Array) -> Array:
 
 
 def motion(state: State) -> Mapping[str, float]:
-    """Momentum and center of mass; z is zero in two dimensions."""
+    """Momentum and center of mass; z is zero in two dimensions, and all are zero once all liquid has left."""
     total = float(np.sum(state.mass))
     momentum, center = np.zeros(3), np.zeros(3)
     momentum[: len(state.velocity)] = np.sum(state.velocity * state.mass, axis=1)
-    center[: len(state.position)] = np.sum(state.position * state.mass, axis=1) / total
+    if total > 0.0:
+        center[: len(state.position)] = np.sum(state.position * state.mass, axis=1) / total
     names = "xyz"
     return {
         **{f"momentum_{name}": momentum[axis] for axis, name in enumerate(names)},
@@ -592,14 +593,16 @@ def motion(state: State) -> Mapping[str, float]:
 
 
 def extremes(parameters: Parameters, state: State) -> Mapping[str, float]:
-    """Extent, largest speed, pressure and density change, and counts of substeps and exchanged particles."""
+    """Extent, largest speed, pressure and density change, and counts of substeps and exchanged particles. Without
+    liquid, all of which may have left, the former are zero.
+    """
     change = np.abs(state.density / parameters.of_each("density", state.region) - 1.0)
     return {
-        "front": state.position[0].max(),
-        "top": state.position[up_axis(parameters)].max(),
-        "largest_speed": np.sqrt((state.velocity**2).sum(axis=0).max()),
-        "largest_pressure": gauge_pressure(parameters, state).max(),
-        "density_change": change.max(),
+        "front": _largest(state.position[0]),
+        "top": _largest(state.position[up_axis(parameters)]),
+        "largest_speed": math.sqrt(_largest((state.velocity**2).sum(axis=0))),
+        "largest_pressure": _largest(gauge_pressure(parameters, state)),
+        "density_change": _largest(change),
         "volume": np.sum(state.mass / state.density),
         "guard_hits": state.tally[GUARD_HITS],
         "particles_entered": state.population[ENTERED],
@@ -608,6 +611,11 @@ def extremes(parameters: Parameters, state: State) -> Mapping[str, float]:
         "substeps": state.tally[SUBSTEPS],
         "most_substeps": state.tally[MOST_SUBSTEPS],
     }
+
+
+def _largest(values: Array) -> float:
+    """The largest value; zero of none."""
+    return float(values.max()) if values.size else 0.0
 
 
 SQUEEZED = 0.2

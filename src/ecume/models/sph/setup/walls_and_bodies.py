@@ -298,15 +298,19 @@ def open_boundaries_of(scene: SphScene, support: float) -> tuple[OpenBoundary, .
         if side.kind not in ENDS:
             continue
         low, high = np.array(tank.low), np.array(tank.high)
+        place = float((low if number % 2 == 0 else high)[axis])
+        level = place if axis == scene.up_axis else float(high[scene.up_axis])
         if side.level is not None:
-            high[scene.up_axis] = min(high[scene.up_axis], side.level)
+            level = min(float(high[scene.up_axis]), side.level)
+        if axis != scene.up_axis:
+            high[scene.up_axis] = level
         walls = np.array([_walled(scene, k) and k != axis for k in range(len(low))])
         found.append(
             OpenBoundary(
                 zone=number + 1,
                 axis=axis,
                 inward=1.0 if number % 2 == 0 else -1.0,
-                place=float((low if number % 2 == 0 else high)[axis]),
+                place=place,
                 enters=side.kind == "inflow",
                 speed=side.speed or 0.0,
                 curved=np.where(walls, 1.0 + (np.arange(len(low)) == scene.up_axis) * (side.level is not None), 0.0)
@@ -315,6 +319,7 @@ def open_boundaries_of(scene: SphScene, support: float) -> tuple[OpenBoundary, .
                 high=high,
                 layers=layers,
                 pressure=side.pressure,
+                level=level,
             )
         )
     return tuple(found)
