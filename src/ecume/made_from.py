@@ -25,7 +25,7 @@ RUNNER = f"{CASES}runner"
 NOT_TIMED = re.compile(r"ecume(\.(cli(\..*)?|_version|made_from))?$|ecume_validation$")
 """Modules without influence on numbers and times, apart from that of their imports."""
 NO_NUMBERS = re.compile(
-    r"ecume_lammps(\..*)?$|ecume\.(?:_cache|(citing|run|show|trajectories)(\..*)?|models\.(costs|expected_events|gravity|size_report)|scenes\.(faults|starts|templates)|.*\.(check_report|first_contact))$"
+    r"ecume_lammps(\..*)?$|ecume\.(?:_cache|(citing|run|show|trajectories)(\..*)?|models\.(costs|expected_events|gravity|size_report)|scenes\.(faults|starts|templates)|.*\.(check_report|first_contact|motion_rows))$"
 )
 """Modules without influence on the numbers of cases: they draw, store, print, copy scenes, say what is wrong, or read
 files of other programs, which no case does.
