@@ -8,6 +8,7 @@ from scipy.special import k0, k1
 
 from ecume.errors import BadInput, FloaterSinks
 from ecume.laws import contact_lines, flotation, multipole
+from ecume.laws.multipole.closures import excess_tilt, righted
 from ecume.laws.multipole.many import images
 from ecume.laws.multipole.solving import make_rims
 
@@ -24,8 +25,9 @@ CROWD = [
     flotation.Disc(0.3, -0.05, tilting=False),
     flotation.Sphere(0.4, 1500.0, 1.2),
     multipole.Undulated(flotation.Disc(0.4, 0.02, stability=0.01), ((2, 0.02, 0.3), (3, 0.01, 1.1))),
+    righted(flotation.Disc(0.3, 0.04, stability=0.1), LIQUID),
 ]
-PLACES = np.array([[0.0, 0.0], [1.2, 0.3], [0.4, 1.3], [-1.0, 0.9]])
+PLACES = np.array([[0.0, 0.0], [1.2, 0.3], [0.4, 1.3], [-1.0, 0.9], [0.9, -0.6]])
 
 
 def charge(disc):
@@ -95,7 +97,8 @@ def test_forces_are_what_the_energy_falls_by(walls):
 
 def test_torques_are_what_the_energy_falls_by_when_a_body_turns():
     def turned(angle):
-        bodies = [*CROWD[:3], multipole.Undulated(CROWD[3].disc, ((2, 0.02, 0.3 + angle), (3, 0.01, 1.1 + angle)))]
+        undulated = multipole.Undulated(CROWD[3].disc, ((2, 0.02, 0.3 + angle), (3, 0.01, 1.1 + angle)))
+        bodies = [*CROWD[:3], undulated, CROWD[4]]
         return multipole.solve(PLACES, bodies, LIQUID, 8)
 
     slope = (turned(1e-4).energy - turned(-1e-4).energy) / 2e-4
@@ -113,6 +116,53 @@ def test_forces_and_torques_balance_at_any_order(order):
     assert abs(moments.sum()) < 1e-12 * size
 
 
+def leaning(load, stability=0.0, radius=1e-3, right=True):
+    """The tilt of a disc beside a large one, over the slope of the surface that the large one alone has there."""
+    small = flotation.Disc(radius, load, stability=stability)
+    beside, at = righted(small, LIQUID) if right else small, [0.9, 0.0]
+    found = multipole.solve([[0.0, 0.0], at], [DISC, beside], LIQUID, 8)
+    alone = multipole.solve([[0.0, 0.0]], [DISC], LIQUID, 8)
+    left, right_of_it = multipole.height(alone, [0.9 - 1e-4, 0.9 + 1e-4], [0.0, 0.0])
+    return found.tilts[1, 0] / ((right_of_it - left) / 2e-4)
+
+
+def test_a_small_disc_without_mass_lies_in_the_surface_when_the_tension_rights_it():
+    """By symmetry: it is a piece of the surface, and the moment of its own tension is what keeps it there."""
+    assert leaning(0.0) == pytest.approx(1.0, abs=1e-5)
+    assert leaning(0.0, right=False) == pytest.approx(2.0, abs=1e-4)
+    assert leaning(1e-7) == pytest.approx(1.0, abs=1e-3)
+
+
+def test_the_moment_of_the_tension_is_pi_gamma_square_of_radius_times_the_tilt():
+    """A stability of pi a^2 undoes it; one of pi a^2 or more above that topples small discs only without it."""
+    undone = leaning(0.0, stability=math.pi * 1e-6)
+    assert undone == pytest.approx(leaning(0.0, right=False), rel=1e-6)
+    with pytest.raises(BadInput, match="topples"):
+        leaning(0.0, stability=1.001 * math.pi * 1e-6, right=False)
+    assert leaning(0.0, stability=1.001 * math.pi * 1e-6) == pytest.approx(2.0, rel=2e-3)
+
+
+def test_large_discs_hardly_feel_the_moment_of_the_tension():
+    excess = [excess_tilt(flotation.Disc(a, 0.1), LIQUID) for a in (0.01, 0.5, 1.0, 4.0, 20.0)]
+    assert excess == sorted(excess, reverse=True)
+    assert excess[0] == pytest.approx(1.0, abs=1e-3)
+    assert excess[-1] == pytest.approx(2.0 / (2.0 * 20.0 + 0.5 * 20.0**2), rel=0.02)  # where K_1'/K_1 is near -1
+
+
+def test_rafts_of_small_righted_discs_pull_as_superposition_says():
+    """Seven touching ones; 5.8 times as strongly without the moment [capillary.md, section 2]."""
+    around = [(math.cos(k * math.pi / 3), math.sin(k * math.pi / 3)) for k in range(6)]
+    places, small = 0.204 * np.array([(0.0, 0.0), *around]), flotation.Disc(0.1, 0.01)
+    apart = 0.204 * np.array([1.0, 1.0, math.sqrt(3.0), math.sqrt(3.0), 2.0, 1.0])
+    cosine = np.array([0.5, 0.5, 0.5 * math.sqrt(3.0), 0.5 * math.sqrt(3.0), 1.0, 1.0])
+    expected = 2.0 * math.pi * charge(small) ** 2 * float((k1(apart) * cosine).sum())
+    pulls = [
+        -multipole.solve(places, [one] * 7, LIQUID, 12).forces[1, 0] / expected
+        for one in (small, righted(small, LIQUID))
+    ]
+    assert pulls == pytest.approx([5.753, 0.992], abs=2e-3)
+
+
 def test_errors_fall_exponentially_with_the_order():
     exact = pair(DISC, 1.2, 60).forces[0, 0]
     for order, most in ((4, 2e-4), (8, 2e-6), (12, 3e-8), (16, 2e-10), (24, 1e-14)):
@@ -120,11 +170,12 @@ def test_errors_fall_exponentially_with_the_order():
 
 
 def test_turning_and_relabeling_bodies_turns_and_relabels_their_forces():
-    found = multipole.solve(PLACES, [*CROWD[:3], DISC], LIQUID, 10)
+    crowd = [*CROWD[:3], DISC, CROWD[4]]
+    found = multipole.solve(PLACES, crowd, LIQUID, 10)
     c, s = math.cos(0.7), math.sin(0.7)
     turn = np.array([[c, s], [-s, c]])
-    order = [2, 0, 3, 1]
-    bodies = [[*CROWD[:3], DISC][k] for k in order]
+    order = [2, 0, 3, 1, 4]
+    bodies = [crowd[k] for k in order]
     again = multipole.solve(PLACES[order] @ turn + [0.3, -2.0], bodies, LIQUID, 10)
     assert again.forces == pytest.approx(found.forces[order] @ turn, rel=1e-11, abs=1e-15)
     assert again.tilts == pytest.approx(found.tilts[order] @ turn, rel=1e-11, abs=1e-15)

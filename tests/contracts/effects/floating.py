@@ -162,6 +162,7 @@ EFFECTS = {
         "top", particles=[{"contact_angle": None, "density": 1500.0, "disc": {"thickness": 3e-4}}]
     ),
     "particles.disc.tilting": of(False, **{**DISC, **MULTIPOLE}),
+    "particles.disc.tension_moment": of(True, **{**DISC, **MULTIPOLE}),
     "particles.disc.undulation": of(2e-5, **UNDULATED),
     "particles.disc.mode": of(3, **{**UNDULATED, "interaction": {"method": "multipole", "order": 3}}),
     "particles.disc.angle": of(0.5, **UNDULATED),

@@ -1,15 +1,18 @@
 """Random scenes of floats, drawn from what users draw, that run to their ends.
 
-`python -m tests.models.floating.random_scenes 0 2800 24` runs 2,800 seeds, each for some 24 steps. A scene fails
-if `check` calls its time step good and it diverges, ends with an error, leaves a number that is not finite, or breaks
-an invariant of the model, such as that of the energy. Most scenes are combinations of options that no other has: they
-take half a second without compilation (`NUMBA_DISABLE_JIT=1`), and much longer with it.
+`python -m tests.models.floating.random_scenes 0 2800 2 4` runs the scenes of 2,800 seeds with two further options, each
+for its whole duration of 1 to 30 s, or until it has used 4 s of processor time: then it is cut, and counted as such. A
+scene fails if `check` calls its time step good and it diverges, ends with an error, leaves a number that is not finite,
+or breaks an invariant of the model, such as that of the energy. Scenes without further options share what is compiled.
+Most others are combinations of options that no other has, and are compiled for ten seconds (or never, with
+`NUMBA_DISABLE_JIT=1`, where a step takes milliseconds).
 """
 
 from __future__ import annotations
 
 import math
 import sys
+import time
 import traceback
 import warnings
 from collections import Counter
@@ -28,8 +31,8 @@ LENGTH = 2.7e-3
 
 
 def drawn(seed, steps, further):
-    """A scene whose time step is the default one, some steps of it, and the laws of the user in it. Most have this
-    number of `further` options. None where the draw is refused.
+    """A scene whose time step is the default one, some steps of it (or its whole duration, without their number), and
+    the laws of the user in it. Most have this number of `further` options. None where the draw is refused.
     """
     dice = np.random.default_rng(seed)
     plain = draw(dice)
@@ -39,6 +42,8 @@ def drawn(seed, steps, further):
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
+            if steps is None:
+                return from_plain(plain | whole(seed)), laws
             scene = from_plain(plain)
             good = min(good_step(MODELS["floating"].parameters(scene), scene), 1e3)
             scene = from_plain(plain | {"frame_every": 0.25 * steps * good, "duration": steps * good})
@@ -51,6 +56,12 @@ def drawn(seed, steps, further):
     except SceneError:
         return None
     return scene, laws
+
+
+def whole(seed):
+    """The duration of a scene and the time between its frames (s)."""
+    duration = float(f"{math.exp(np.random.default_rng([seed, 1]).uniform(0.0, math.log(30.0))):.3g}")
+    return {"duration": duration, "frame_every": 0.05 * duration}
 
 
 def draw(dice):
@@ -339,10 +350,16 @@ def judged_good(scene):
     return any(name == "time step" and said.startswith("good") for name, _, said in MODELS["floating"].summary(scene))
 
 
-def broken(scene, laws):
-    """The first fault of a run to its end: a number that is not finite, or an invariant that is broken; or None."""
-    rules, first, least, largest = None, None, None, None
+def broken(scene, laws, seconds):
+    """The first fault of a run to its end: a number that is not finite, or an invariant that is broken; or None. A run
+    that takes more than some seconds of processor time is cut.
+    """
+    rules, first, least, largest, started = None, None, None, None, None
     for moment in moments(scene, extra_laws=laws):
+        if moment.step and started is None:
+            started = time.process_time()  # after the first steps, with which the run is compiled
+        if started is not None and not moment.ended and time.process_time() - started > seconds:
+            return f"{CUT} at {moment.done:.1%} after {moment.taken} steps"
         if moment.frame is None:
             continue
         if not all(np.isfinite(moment.frame.arrays[name]).all() for name in ("position", "velocity")):
@@ -358,12 +375,15 @@ def broken(scene, laws):
     return None
 
 
+CUT = "cut"
 REFUSED = ("refused", "refused at the start", "not good")
 """The outcomes of scenes that do not run."""
 
 
-def outcome(seed, steps, further=2):
-    """The outcome of the run of a random scene: "done", one of `REFUSED`, or the message with which it fails."""
+def outcome(seed, steps=None, further=2, seconds=math.inf):
+    """The outcome of the run of a random scene: "done", one of `REFUSED`, where it was cut, or the message with which
+    it fails.
+    """
     found = drawn(seed, steps, further)
     if found is None:
         return REFUSED[0]
@@ -378,7 +398,7 @@ def outcome(seed, steps, further=2):
         except Exception:
             return f"check: {traceback.format_exc(limit=-2)}"
         try:
-            return broken(scene, laws) or "done"
+            return broken(scene, laws, seconds) or "done"
         except SceneError:
             return REFUSED[1]
         except (Diverged, EcumeError) as error:
@@ -387,13 +407,14 @@ def outcome(seed, steps, further=2):
             return traceback.format_exc(limit=-2)
 
 
-def main(first, last, steps):
-    """Print how many scenes of a range of seeds ran, and those that did not."""
+def main(first, last, further, seconds):
+    """Print how many scenes of a range of seeds ran to their ends, and those that did not."""
     found = Counter()
     for seed in range(first, last):
-        ended = outcome(seed, steps)
-        found[ended if ended in ("done", *REFUSED) else "failed"] += 1
-        if ended not in ("done", *REFUSED):
+        ended = outcome(seed, None, further, seconds)
+        kind = CUT if ended.startswith(CUT) else ended if ended in ("done", *REFUSED) else "failed"
+        found[kind] += 1
+        if kind in (CUT, "failed"):
             print(seed, ended, flush=True)
         if (seed + 1 - first) % 50 == 0:
             print(seed + 1, dict(found), flush=True)
@@ -401,4 +422,4 @@ def main(first, last, steps):
 
 
 if __name__ == "__main__":
-    main(*(int(word) for word in sys.argv[1:4]))
+    main(*(int(word) for word in sys.argv[1:5]))

@@ -97,6 +97,11 @@ def test_discs_say_what_they_carry_and_that_superposition_errs():
     assert "multipole" in alone["float-1: beyond superposition"][1]
     together = report({"particles": [disc], "interaction": {"method": "multipole"}})
     assert "float-1: beyond superposition" not in together
+    tilt, remark = together["float-1: tilt"]
+    assert 50.0 < float(tilt.removesuffix(" % too large")) < 100.0
+    assert "disc.tension_moment" in remark
+    righted = disc | {"disc": disc["disc"] | {"tension_moment": True}}
+    assert "float-1: tilt" not in report({"particles": [righted], "interaction": {"method": "multipole"}})
 
 
 def test_shapes_say_where_their_contact_line_is():

@@ -18,7 +18,7 @@ from __future__ import annotations
 import cmath
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -114,7 +114,8 @@ def disc_closure(disc: Disc, liquid: Liquid, order: int) -> Closure:
     balance.
 
     2 pi a s_0 - pi a^2 z = W;   2 pi a^2 s_1 - pi a^3 t_1/2 + 2 kappa t_1/a = 0 (t_1 = 0 when it stays level); alpha_m
-    + c_m = 0 for m > 1. s: slope modes of the ring, z and t_1: its height and tilt, W: load, kappa: stability.
+    + c_m = 0 for m > 1. s: slope modes of the ring, z and t_1: its height and tilt, W: load, kappa: stability. The
+    moment of the horizontal tension is missing: see `righted`.
 
     >>> water = Liquid(density=1000.0, surface_tension=0.072, viscosity=1e-3)
     >>> disc_closure(Disc(1e-3, 1e-5), water, 3).response[2:].tolist()
@@ -137,6 +138,33 @@ def disc_closure(disc: Disc, liquid: Liquid, order: int) -> Closure:
             )
         response[1] = -(2.0 * math.pi * a * a * regular[1] + lean) / turning
     return Closure(a, response, source, 0.5 * load * float(source[0].real))
+
+
+def righted(disc: Disc, liquid: Liquid) -> Disc:
+    """The disc with the moment of the horizontal tension, which rights it, in its stability: kappa - pi a^2.
+
+    At a rim with the tilt t, the tension gamma pulls outwards at the height t a cos(phi), where rotation by dt moves
+    the rim inwards by t a cos(phi) dt. The work is -gamma pi a^2 t dt: the moment -gamma pi a^2 t, the energy gamma pi
+    a^2 t^2/2, by which the surface outside grows because a tilted disc covers less of it. A small disc without mass
+    then lies in the surface, t = s at a slope s, instead of t = 2 s. Derived for this package.
+
+    >>> water = Liquid(density=1000.0, surface_tension=0.072, viscosity=1e-3)
+    >>> small = Disc(1e-6, 0.0)
+    >>> [round(1.0 + float(disc_closure(one, water, 1).response[1]), 4) for one in (small, righted(small, water))]
+    [2.0, 1.0]
+    """
+    return replace(disc, stability=disc.stability - math.pi * (disc.radius / liquid.capillary_length) ** 2)
+
+
+def excess_tilt(disc: Disc, liquid: Liquid) -> float:
+    """The tilt of a disc in the surface of others, over that with the moment of the horizontal tension, minus 1.
+
+    >>> water = Liquid(density=1000.0, surface_tension=0.072, viscosity=1e-3)
+    >>> [round(excess_tilt(Disc(radius, 0.0), water), 2) for radius in (1e-5, 3e-3, 3e-2)]
+    [1.0, 0.48, 0.02]
+    """
+    tilts = [1.0 + float(disc_closure(one, liquid, 1).response[1]) for one in (disc, righted(disc, liquid))]
+    return tilts[0] / tilts[1] - 1.0
 
 
 def sphere_closure(sphere: Sphere, liquid: Liquid, order: int) -> Closure:

@@ -45,6 +45,9 @@ NEAR = 0.02
 ODD = 0.05
 """The fraction of the attraction beyond superposition above which `ecume check` recommends another method."""
 
+TILTED = 0.1
+"""The fraction of a tilt that is too large above which `ecume check` says so."""
+
 PER_STEP, PER_FLOAT = 5e-6, 1.2e-6
 """Seconds per time step, and per float, for separated floats: measured on one core of a small cloud machine."""
 
@@ -377,13 +380,29 @@ def _summary_of_disc(name: str, kind: FloatKind, scene: FloatingScene) -> list[R
         ("radius", f"{disc.radius / liquid.capillary_length:.4g}", "over the capillary length"),
         ("load", with_prefix(disc.load, "N"), f"sinks above {with_prefix(heaviest, 'N')}"),
         ("stability", f"{disc.stability:.3g}", "leans with its neighbors" if disc.tilting else "does not lean"),
+        *_tilt(kind, scene),
         ("slope at the contact line", f"{math.degrees(slope):.3g} deg", _slope_remark([slope])),
         _heights({kind: 1}),
         _charges([kind], scene),
     ]
     if scene.interaction.method == "superposition" and PAIR_LAWS[str(scene.interaction.law)].menisci:
-        rows.append(("beyond superposition", "up to tenfold", "pinned rims in rafts; use method = 'multipole'"))
+        rafts = "pinned rims in rafts, where the tension does not right them; use method = 'multipole'"
+        rows.append(("beyond superposition", "up to tenfold", rafts))
     return [(f"{name}: {what}", value, remark) for what, value, remark in rows]
+
+
+def _tilt(kind: FloatKind, scene: FloatingScene) -> list[Row]:
+    """The excess of the tilts of a disc without the moment of the horizontal tension; empty where it is small."""
+    disc, solved = kind.body, scene.interaction.method != "superposition"
+    if not isinstance(disc, flotation.Disc) or not (solved and disc.tilting) or kind.righted:
+        return []
+    from ecume.laws.multipole import excess_tilt
+
+    excess = excess_tilt(disc, liquid_of(scene))
+    if excess < TILTED:
+        return []
+    remedy = "without the moment of the horizontal tension; disc.tension_moment = true includes it"
+    return [("tilt", f"{100.0 * excess:.3g} % too large", remedy)]
 
 
 def is_shape(kind: FloatKind) -> bool:

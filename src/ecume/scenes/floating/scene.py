@@ -153,6 +153,9 @@ class DiscSpec:
     tilting: Switch = True
     """Whether the disc can tilt in the menisci of others. Effect: tilting discs attract each other more strongly at
     short distances."""
+    tension_moment: Switch = False
+    """Whether the horizontal tension at the rim rights a disc that tilts; the published balance leaves this moment
+    out. Effect: discs smaller than the capillary length tilt half as much, and attract each other less in rafts."""
     undulation: Undulation = 0.0
     """The amplitude of the height of the rim (m); such discs rotate and require `interaction.method = "multipole"`.
     Effect: forces and torques between undulated discs grow with its square."""
@@ -162,6 +165,12 @@ class DiscSpec:
     angle: Direction | None = None
     """The initial direction of the highest point of the rim from the x axis (rad); by default random. Effect: sets
     the initial orientation."""
+
+    @model_validator(mode="after")
+    def _consistent(self) -> Self:
+        if self.tension_moment and not self.tilting:
+            raise Inconsistent([(("tension_moment",), "got true with tilting = false; expected it of discs that tilt")])
+        return self
 
 
 @dataclass(frozen=True, kw_only=True, config=STRICT)
@@ -493,7 +502,7 @@ class FloatingScene(Common):
             left_out = {key: law for key, law in laws.items() if given is not None and getattr(given, key) is None}
             if left_out:
                 object.__setattr__(self, part, dataclasses.replace(given, **left_out))
-        complaints = [*_population(self), *_boundary(self), *_steps(self), *_doubles(self)]
+        complaints = [*_population(self), *_boundary(self), *_steps(self), *_doubles(self), *_tilts(self)]
         if complaints:
             raise Inconsistent(complaints)
         return self
@@ -560,4 +569,18 @@ def _doubles(scene: FloatingScene) -> Complaints:
         (("particles", index, "name"), f"got {name!r} for the second time; each species has its own name")
         for index, name in enumerate(names)
         if name in names[:index]
+    ]
+
+
+def _tilts(scene: FloatingScene) -> Complaints:
+    """A fault for each disc with a moment of tilting in a scene whose sum of menisci tilts no disc."""
+    if scene.interaction.method != "superposition":
+        return []
+    entries = [("particles", index, one.disc) for index, one in enumerate(scene.particles)]
+    entries += [("rows", index, one.disc) for index, one in enumerate(scene.rows)]
+    said = "superposed menisci tilt no disc; expected interaction.method = 'multipole' or 'pair-corrected'"
+    return [
+        ((table, index, "disc", "tension_moment"), f"got true, and {said}")
+        for table, index, disc in entries
+        if disc is not None and disc.tension_moment
     ]

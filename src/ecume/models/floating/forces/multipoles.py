@@ -65,6 +65,7 @@ WAVES_PER_ORDER = 4.0
 """Orders of the response of a round wall, over (order of the bodies) times (wall radius) / (body radius)."""
 
 MOST_WAVES = 400
+TINY = 1e-200
 STIFFNESS_FACTOR = 10.0
 """Stiffness of rafts of pinned discs over that of superposition, at most: their attraction is up to ten times larger.
 """
@@ -421,11 +422,58 @@ def multipoles_of(parameters: Parameters, scene: FloatingScene) -> Built:
         between = meniscus_of(dish).multipoles
         assert between is not None  # noqa: S101  # the option `wall` requires it
         found = between(WALLS, found, dish, liquid)
+    polarized = time_of_polarization(found, parameters)
     if not any(kind.rim[1] > 0.0 for kind in kinds):
-        return Built(found, stiffness_factor=_stiffness_factor(bodies))
-    moment, friction, shortest_time = _turning(parameters, scene, [kinds[k] for k in number])
+        return Built(found, polarized, _stiffness_factor(bodies))
+    moment, friction, turning = _turning(parameters, scene, [kinds[k] for k in number])
     turned = found._replace(inertia=moment, friction=friction, advances_angles=not scene.rubs)
-    return Built(turned, shortest_time, _stiffness_factor(bodies))
+    return Built(turned, min(polarized, turning), _stiffness_factor(bodies))
+
+
+def time_of_polarization(multipoles: Multipoles, parameters: Parameters) -> float:
+    """The shortest time scale (s) of touching floats at a wall, whose meniscus polarizes them.
+
+    In a slope s a rim deforms the surface by T s a^2 cos(phi)/r, as a dipole. At the distance l = 2 a the energy of two
+    of them, up to 2 pi gamma (T s a^2/l)^2, is a spring of stiffness 12 pi gamma (T s)^2/16. Higher modes are those of
+    an undulated rim: see `_turning`. Small discs without mass have T = 1, level ones -1, righted ones and spheres
+    nearly 0.
+    """
+    floats, slope = parameters.floats, steepest_modes(multipoles)
+    if not np.any(slope):
+        return math.inf
+    # A spring of a wall far away may underflow.
+    spring = np.maximum(RAFT_NEIGHBORS * 12.0 * math.pi * multipoles.tension * slope**2, TINY)
+    times = floats.mass / floats.relaxation_time / spring
+    if parameters.scheme.inertia:
+        times = np.maximum(times, np.sqrt(floats.mass / spring))
+    return float(times.min())
+
+
+def steepest_modes(multipoles: Multipoles) -> Array:
+    """The steepest mode (N,) by which each rim answers the meniscus where it touches a wall: m |T_m c_m|/a for m > 1,
+    and |T_1 c_1|/(sqrt(2) a) of the dipole.
+    """
+    rims = multipoles.rims
+    outer = np.zeros((len(rims.radius), rims.response.shape[1] + 1), np.complex128)
+    found = np.zeros(len(rims.radius))
+    orders = np.arange(1.0, rims.response.shape[1])
+    weight = np.where(orders > 1.0, orders, math.sqrt(0.5))
+    for place in _touching_places(multipoles):
+        fill_outer(multipoles, place, outer)
+        modes = weight * np.abs(rims.response[:, 1:] * outer[:, 1:-1]) / rims.radius[:, None]
+        found = np.maximum(found, modes.max(axis=1, initial=0.0))
+    return found
+
+
+def _touching_places(multipoles: Multipoles) -> list[Array]:
+    """The places (N, 2) in capillary lengths at which floats touch a wall with a meniscus: one of each plane wall, and
+    one of a round wall.
+    """
+    radius = multipoles.rims.radius
+    places = [(wall[3] - radius)[:, None] * wall[1:3] for wall in multipoles.menisci]
+    if multipoles.dish != 0.0:
+        places.append((multipoles.echoes.brim - radius)[:, None] * np.array([1.0, 0.0]))
+    return places
 
 
 def _turning(parameters: Parameters, scene: FloatingScene, every: Sequence[Any]) -> tuple[Any, Any, float]:

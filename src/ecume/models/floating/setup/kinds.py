@@ -12,6 +12,7 @@ import numpy as np
 from ecume.engine.cells import Integers
 from ecume.errors import BadInput, Fault, SceneError
 from ecume.laws import drag, flotation, immersion
+from ecume.laws.multipole.closures import righted
 from ecume.models.floating.parameters import Floats
 from ecume.models.floating.shaped.shapes import Figure, Given, floating_shape, round_figure
 from ecume.models.liquids import liquid_of
@@ -56,6 +57,8 @@ class FloatKind(NamedTuple):
     """a `Figure` in scenes where a float has a shape"""
     radius: float = 0.0
     """of the circumscribed circle"""
+    righted: bool = False
+    """whether the stability of a disc includes the moment of the horizontal tension"""
 
 
 def contact_angle_of(given: FloatSpec | FloatRow, liquid: flotation.Liquid) -> float:
@@ -99,13 +102,14 @@ def disc_kind(given: FloatSpec | FloatRow, disc: DiscSpec, scene: FloatingScene)
     liquid = liquid_of(scene)
     solid = flotation.VerticalCylinder(given.radius, disc.thickness, given.density, 0.5 * math.pi)
     body = dataclasses.replace(flotation.disc_of_cylinder(solid, liquid, disc.rim), tilting=disc.tilting)
+    body = righted(body, liquid) if disc.tension_moment else body
     balance = flotation.equilibrium(body, liquid)
     charge = flotation.capillary_charge(body, liquid, str(scene.interaction.charge))
     mass = given.density * math.pi * given.radius**2 * disc.thickness
     friction = drag.disc_friction(given.radius, liquid.viscosity_of_both)
     rim = disc.mode, disc.undulation
     found = FloatKind(body, given.density, math.nan, balance, charge, mass, friction, rim, radius=given.radius)
-    return found._replace(figure=_round_figure(found, scene))
+    return found._replace(figure=_round_figure(found, scene), righted=disc.tension_moment)
 
 
 def shape_kind(given: FloatSpec | FloatRow, shape: ShapeSpec, scene: FloatingScene) -> FloatKind:
