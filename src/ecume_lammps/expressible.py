@@ -152,6 +152,8 @@ FLOATS = (
                 "round or rectangle", "other walls have no region in the deck"),
     Expressible("dish.motion", _optional("dish.motion", "a moving dish"), NONE,
                 "a dish at rest", "the deck describes the frame of the dish without inertial forces"),
+    Expressible("dish.tilt", _optional("dish.tilt", "a tilted dish"), NONE,
+                "an upright dish", "the deck has vertical walls, whose menisci are equal all around"),
     Expressible("dish.barrier", _optional("dish.barrier", "a barrier"), NONE,
                 "sides at rest", "the deck does not record the force on a wall"),
     Expressible("contacts.legacy_coefficient", lambda scene: scene.contacts.legacy_coefficient, lambda got: got is None,

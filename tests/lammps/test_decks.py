@@ -211,6 +211,7 @@ REFUSED = {
     "dish.image": {"more": DISH + 'image = "pinned"'},
     "dish.motion": {"more": DISH + "[dish.motion]\nvelocity = [0.1, 0.0]"},
     "dish.barrier": {"more": BASIN + "[dish.barrier]\nvelocity = 1e-3"},
+    "dish.tilt": {"more": DISH + "[dish.tilt]\nangle = 0.1"},
     "contacts.legacy_coefficient": {"more": "[contacts]\nlegacy_coefficient = 0.7"},
     "contacts.restitution": {"more": "[contacts]\nrestitution = 0.0"},
     "dish.restitution": {"more": DISH + "restitution = 0.1"},

@@ -185,7 +185,9 @@ def _k_ratios(x: float, terms: int) -> Array:
 __all__ = [
     "dish_height",
     "facing_amplitude",
+    "facing_pair",
     "image_force",
+    "inclined_amplitude",
     "linear_wall_amplitude",
     "plane_amplitude",
     "plane_height",
@@ -270,36 +272,132 @@ def facing_amplitude(width: Length, contact_angle: Angle, liquid: Liquid, theory
     return alone / -math.expm1(-width / liquid.capillary_length)
 
 
+class Tilt(NamedTuple):
+    """The tilt of a dish: the angle of its axis from the vertical (rad), and the direction from the x axis to which its
+    rim leans (rad).
+    """
+
+    angle: Angle = 0.0
+    direction: Angle = 0.0
+
+
+LEVEL = Tilt()
+
+
+def level_cut(points: Lengths, tilt: Tilt) -> Lengths:
+    """Where the lines through these points (K, 2) of a dish, parallel to its axis, meet the level surface: farther from
+    the axis by 1/cos(angle) along the direction of the tilt. The axis meets the surface at the origin.
+
+    >>> level_cut(np.array([[1.0, 1.0]]), Tilt(math.pi / 3.0)).round(12).tolist()
+    [[2.0, 1.0]]
+    """
+    along = np.array([math.cos(tilt.direction), math.sin(tilt.direction)])
+    stretch = 1.0 / math.cos(tilt.angle) - 1.0
+    return as_given(np.asarray(points) + stretch * np.outer(np.asarray(points) @ along, along))
+
+
+def leaning_walls(outward: Numbers, tilt: Tilt) -> tuple[Numbers, Angles]:
+    """The outward normals (K, 2) of the walls' lines in the level surface, and their inclinations (rad) from the
+    vertical, positive where a wall leans away from the liquid.
+
+    A wall whose outward normal in the dish is n leans by beta, sin(beta) = sin(angle) n.d, with the direction d of the
+    tilt.
+
+    >>> normal, inclination = leaning_walls(np.array([[1.0, 0.0], [0.0, 1.0]]), Tilt(0.3))
+    >>> normal.round(12).tolist(), inclination.round(12).tolist()
+    ([[1.0, 0.0], [0.0, 1.0]], [0.3, 0.0])
+    """
+    along, given = np.array([math.cos(tilt.direction), math.sin(tilt.direction)]), np.asarray(outward)
+    share = given @ along
+    turned = given + (math.cos(tilt.angle) - 1.0) * np.outer(share, along)
+    inclination = np.arcsin(np.clip(math.sin(tilt.angle) * share, -1.0, 1.0))
+    return turned / np.linalg.norm(turned, axis=1)[:, None], inclination
+
+
+def inclined_amplitude(contact_angle: Angle, inclination: Angle, liquid: Liquid, theory: str = "amplitude") -> Length:
+    """Amplitude A of the meniscus A exp(-x/L) far from a plane wall that leans by beta, x from its line in the level
+    surface: A = A_w(theta + beta) exp(-h_w tan(beta)/L).
+
+    Such a wall meets the liquid as a vertical one with the contact angle theta + beta; its contact line is h_w(theta +
+    beta) above the level surface, and therefore farther out by h_w tan(beta). Exact for a plane wall. "linear": L
+    cot(theta + beta), without the second factor, which is of second order in the slope. Derived from [landau1987, par.
+    61].
+
+    >>> water = Liquid(density=1000.0, surface_tension=0.072, viscosity=1e-3)
+    >>> inclined_amplitude(0.8, 0.0, water) == wall_amplitude(0.8, water)
+    True
+    >>> inclined_amplitude(0.8, 0.1, water) < wall_amplitude(0.9, water) < inclined_amplitude(0.8, -0.1, water)
+    True
+    """
+    meets = contact_angle + inclination
+    if not 0.0 <= meets <= math.pi:
+        got = f"{math.degrees(contact_angle):.4g} and {math.degrees(inclination):.4g} degrees"
+        raise BadInput(f"the contact angle and the inclination of the wall are {got}; expected a sum from 0 to 180")
+    amplitude = chosen(AMPLITUDES, theory, "amplitude of a wall")(meets, liquid)
+    if theory == "linear":
+        return amplitude
+    return amplitude * math.exp(-plane_wall_height(meets) * math.tan(inclination))
+
+
+def facing_pair(first: Length, second: Length, width: Length, liquid: Liquid) -> tuple[Length, Length]:
+    """Amplitudes of two plane walls that face each other, from those that each has alone: (A_1 + A_2 e)/(1 - e^2) with
+    e = exp(-W/L), and the same with the numbers exchanged. For equal walls this is `facing_amplitude`. [chan1981].
+
+    >>> water = Liquid(density=1000.0, surface_tension=0.072, viscosity=1e-3)
+    >>> alone = wall_amplitude(0.8, water)
+    >>> abs(facing_pair(alone, alone, 0.01, water)[0] / facing_amplitude(0.01, 0.8, water) - 1.0) < 1e-12
+    True
+    """
+    require_positive("width", width)
+    reach = math.exp(-width / liquid.capillary_length)
+    left = -math.expm1(-2.0 * width / liquid.capillary_length)
+    return (first + second * reach) / left, (second + first * reach) / left
+
+
 EXACT = 1e-4
 """Singular values of the menisci of tangents below this, over the largest, count as zero: such menisci cancel."""
 
 
+class Oval(NamedTuple):
+    """An elliptic dish: the lengths of both axes (m), and its tilt."""
+
+    size: tuple[Length, Length]
+    tilt: Tilt = LEVEL
+
+
 def oval_amplitudes(
-    size: tuple[Length, Length], directions: Angles, contact_angle: Angle, liquid: Liquid, theory: str = "amplitude"
+    oval: Oval, directions: Angles, contact_angle: Angle, liquid: Liquid, theory: str = "amplitude"
 ) -> Lengths:
     """Amplitudes of plane menisci A exp(-d/L) at tangents of an elliptic dish, whose sum is the surface in the dish.
 
-    `size` is the length of both axes, and a tangent touches at (a cos t, b sin t) for each t of `directions`. Each
-    exponential solves the linear equation h = L^2 (h_xx + h_yy), and so does their sum. Least squares give it the slope
-    A_w/L of a wall at 256 points of the edge, as in Trefftz's method; the error of the slope is below 1 % for axes from
-    2 to 400 L with a ratio of up to 4. In a circle all amplitudes are equal, and the sum over many tangents is
-    A_w I0(r/L)/I1(a/L). [landau1987, par. 61].
+    A tangent touches at (a cos t, b sin t) for each t of `directions`. Each exponential solves the linear equation h =
+    L^2 (h_xx + h_yy), and so does their sum. Least squares give it the slope A/L of a wall, `inclined_amplitude`, at
+    256 points of the edge, as in Trefftz's method; without tilt the error of the slope is below 1 % for axes from 2 to
+    400 L with a ratio of up to 4. In a circle all amplitudes are equal, and the sum over many tangents is
+    A_w I0(r/L)/I1(a/L); a tilt adds A_1 I1(r/L)/I1'(a/L) cos(phi) in first order. [landau1987, par. 61].
 
     >>> water = Liquid(density=1000.0, surface_tension=0.072, viscosity=1e-3)
     >>> around = 2.0 * math.pi * np.arange(64) / 64.0
-    >>> found = oval_amplitudes((0.04, 0.04), around, 0.8, water)
+    >>> found = oval_amplitudes(Oval((0.04, 0.04)), around, 0.8, water)
     >>> at_center = float(np.sum(found)) * math.exp(-0.02 / water.capillary_length)
     >>> abs(at_center / dish_height(0.0, 0.02, 0.8, water) - 1.0) < 1e-6
     True
     """
-    for name, length in (("size[0]", size[0]), ("size[1]", size[1])):
+    for name, length in (("size[0]", oval.size[0]), ("size[1]", oval.size[1])):
         require_positive(name, length)
-    slope = chosen(AMPLITUDES, theory, "amplitude of a wall")(contact_angle, liquid)
-    edge, outward = map(np.asarray, oval_tangents(size, 2.0 * math.pi * np.arange(256.0) / 256.0))
-    touch, normal = map(np.asarray, oval_tangents(size, directions))
+    edge, outward, inclination = _cut_tangents(oval, 2.0 * math.pi * np.arange(256.0) / 256.0)
+    touch, normal, _ = _cut_tangents(oval, directions)
+    slope = [inclined_amplitude(contact_angle, float(each), liquid, theory) for each in inclination]
     away = np.sum(touch * normal, axis=1) - edge @ normal.T
     menisci = (outward @ normal.T) * np.exp(-away / liquid.capillary_length)
-    return as_given(np.linalg.lstsq(menisci, np.full(len(edge), slope), rcond=EXACT)[0])
+    return as_given(np.linalg.lstsq(menisci, np.array(slope), rcond=EXACT)[0])
+
+
+def _cut_tangents(oval: Oval, directions: Angles) -> tuple[Array, Array, Array]:
+    """The points of the edge in the level surface, the outward normals and the inclinations of the wall there."""
+    points, outward = oval_tangents(oval.size, directions)
+    normal, inclination = leaning_walls(outward, oval.tilt)
+    return np.asarray(level_cut(points, oval.tilt)), np.asarray(normal), np.asarray(inclination)
 
 
 def oval_tangents(size: tuple[Length, Length], directions: Angles) -> tuple[Lengths, Numbers]:

@@ -7,7 +7,7 @@ import pytest
 
 from ecume.errors import SceneError
 from ecume.laws.flotation import Liquid
-from ecume.laws.meniscus import oval_amplitudes, oval_tangents, wall_amplitude
+from ecume.laws.meniscus import Oval, oval_amplitudes, oval_tangents, wall_amplitude
 from ecume.models import MODELS
 from ecume.models.floating.dishes import AROUND, ellipse, field_of, wall_stiffness
 from ecume.models.floating.forces.pair_forces import add_wall_forces
@@ -28,7 +28,7 @@ def dish(keys):
 @pytest.mark.parametrize("size", [(0.03, 0.03), (0.04, 0.02), (0.09, 0.02), (0.006, 0.003), (1.0, 0.3)])
 def test_the_sum_of_menisci_has_the_slope_of_the_wall_everywhere(size):
     """Between the points of the fit, too. Each meniscus solves the linear equation, and so does their sum."""
-    amplitudes, length = oval_amplitudes(size, AROUND, 0.7, LIQUID), LIQUID.capillary_length
+    amplitudes, length = oval_amplitudes(Oval(size), AROUND, 0.7, LIQUID), LIQUID.capillary_length
     edge, outward = oval_tangents(size, 2.0 * math.pi * (np.arange(512) + 0.37) / 512)
     touch, normal = oval_tangents(size, AROUND)
     away = np.sum(touch * normal, axis=1) - edge @ normal.T

@@ -90,6 +90,7 @@ def summary(scene: FloatingScene, further: tuple[Interaction, ...] = ()) -> list
         ("floats", str(count), f"{len(scene.kinds)} species"),
         *sizes_rows(parameters.floats.radius),
         *_summary_of_cell(parameters),
+        *_summary_of_dish(scene),
         *contact_row(scene, parameters, state),
         *_summary_of_steps(parameters, scene),
         ("memory", size_text(memory_estimate(parameters)), "estimate for floats in rafts"),
@@ -117,6 +118,15 @@ def _summary_of_cell(parameters: Parameters) -> list[Row]:
     wide = f"{float(sides.min()) / parameters.cutoff:.3g} cutoffs wide; " if forced else ""
     images = f"periodic, {wide}floats cover {100.0 * coverage:.3g} %"
     return [("cell", " x ".join(with_prefix(float(side), "m") for side in sides), images)]
+
+
+def _summary_of_dish(scene: FloatingScene) -> list[Row]:
+    """The tilt of a dish, and the contact angles at which upright walls would meet the liquid alike."""
+    if scene.dish is None or scene.dish.tilt is None:
+        return []
+    angle, tilt = math.degrees(scene.dish.contact_angle), math.degrees(scene.dish.tilt.angle)
+    alike = f"walls act as upright ones with contact angles from {angle - tilt:.4g} to {angle + tilt:.4g} deg"
+    return [("tilt of the dish", f"{tilt:.4g} deg", f"at rest, without sloshing; {alike}")]
 
 
 def _summary_of_sums(parameters: Parameters, length: float) -> list[Row]:

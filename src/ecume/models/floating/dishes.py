@@ -1,7 +1,8 @@
 """The shapes of dishes, and the menisci at their walls: heights, and forces on floats, also for compiled code.
 
-There are three kinds of menisci, one record each: inside a round wall (`ROUND`), between two pairs of facing walls
-(`FACING`), and along the tangents of an ellipse (`OVAL`). Compiled code selects a law by its number.
+There are four kinds of menisci, one record each: inside a round wall (`ROUND`), between two pairs of facing walls
+(`FACING`, and `LEANING` in a tilted dish), and along the tangents of an ellipse (`OVAL`), which is also the cut of a
+tilted round dish by the level surface. Compiled code selects a law by its number.
 
 Exact menisci and mirror images have no closed formula. A table has heights and image energies of a unit charge with
 their slopes, at distances evenly spaced in their logarithm, and a cubic Hermite polynomial between them. Forces are the
@@ -258,8 +259,30 @@ def _sides(dish: DishSpec) -> tuple[float, float]:
 
 
 def _facing_amplitudes(dish: DishSpec, liquid: flotation.Liquid, theory: str) -> list[float]:
-    across, along = (meniscus.facing_amplitude(side, dish.contact_angle, liquid, theory) for side in _sides(dish))
-    return [across, along, across, along]
+    """The amplitudes of the left, lower, right and upper wall; a wall that leans has its own."""
+    outward = np.array([[-1.0, 0.0], [0.0, -1.0], [1.0, 0.0], [0.0, 1.0]])
+    each = np.asarray(meniscus.leaning_walls(outward, tilt_of(dish))[1]).tolist()
+    alone = [meniscus.inclined_amplitude(dish.contact_angle, lean, liquid, theory) for lean in each]
+    (left, right), (low, high) = (
+        meniscus.facing_pair(alone[axis], alone[axis + 2], side, liquid) for axis, side in enumerate(_cut_sides(dish))
+    )
+    return [left, low, right, high]
+
+
+def _cut_sides(dish: DishSpec) -> list[float]:
+    """The sides of a rectangle in the level surface: longer along the direction of the tilt. Raises SceneError if the
+    tilt is along neither.
+    """
+    tilt, sides = tilt_of(dish), list(_sides(dish))
+    if tilt.angle == 0.0:
+        return sides
+    quarters = tilt.direction / (0.5 * math.pi)
+    if abs(quarters - round(quarters)) > 1e-9:
+        got = f"got {math.degrees(tilt.direction):g} deg for a rectangle with menisci"
+        known = "the menisci of walls that do not meet at right angles are not known"
+        raise scene_error("dish.tilt.direction", f"{got}; expected a multiple of 90 deg, or dish.law = 'none': {known}")
+    sides[round(quarters) % 2] /= math.cos(tilt.angle)
+    return sides
 
 
 def _plane_heights(dish: DishSpec, liquid: flotation.Liquid, distance: Array) -> Array:
@@ -280,19 +303,18 @@ def _plane_images(dish: DishSpec, liquid: flotation.Liquid, distance: Array) -> 
 
 
 def _facing_field(dish: DishSpec, liquid: flotation.Liquid, x: Array, y: Array) -> Array:
+    amplitudes = _facing_amplitudes(dish, liquid, "amplitude")
     across, along = (
-        _between(nodes, side, dish.contact_angle, liquid) for nodes, side in zip((x, y), _sides(dish), strict=True)
+        _between(nodes, side, amplitudes[axis::2], liquid)
+        for axis, (nodes, side) in enumerate(zip((x, y), _cut_sides(dish), strict=True))
     )
     return np.asarray(across + along[:, None])
 
 
-def _between(nodes: Array, side: float, contact_angle: float, liquid: flotation.Liquid) -> Array:
-    """The height between two facing walls with the same image energy for a charge."""
-    amplitude = meniscus.facing_amplitude(side, contact_angle, liquid)
+def _between(nodes: Array, side: float, amplitudes: list[float], liquid: flotation.Liquid) -> Array:
+    """The height between two facing walls with these amplitudes, the lower wall first."""
     apart = np.maximum(side / 2 + np.stack([nodes, -nodes]), 0.0)
-    heights = [plane_wall_energy(float(distance), amplitude, liquid.capillary_length) for distance in apart.ravel()]
-    both: Array = np.reshape(heights, apart.shape)
-    return np.asarray(both[0] + both[1])
+    return np.asarray(np.array(amplitudes) @ np.exp(-apart / liquid.capillary_length))
 
 
 def _facing_multipoles(walls: MultipoleWalls, many_floats: Any, dish: DishSpec, liquid: flotation.Liquid) -> Any:
@@ -312,8 +334,14 @@ FACING = Meniscus(
 
 
 def _oval_amplitudes(dish: DishSpec, liquid: flotation.Liquid, theory: str) -> list[float]:
-    found = meniscus.oval_amplitudes(_sides(dish), AROUND, dish.contact_angle, liquid, theory)
+    oval = meniscus.Oval(_axes(dish), tilt_of(dish))
+    found = meniscus.oval_amplitudes(oval, AROUND, dish.contact_angle, liquid, theory)
     return [float(each) for each in np.asarray(found)]
+
+
+def _axes(dish: DishSpec) -> tuple[float, float]:
+    """The lengths of the axes of an ellipse, or of a circle that is described as one (m)."""
+    return _sides(dish) if dish.radius is None else (2.0 * dish.radius, 2.0 * dish.radius)
 
 
 def _oval_field(dish: DishSpec, liquid: flotation.Liquid, x: Array, y: Array) -> Array:
@@ -337,6 +365,10 @@ OVAL = Meniscus(
     None,
     mirrors=False,
 )
+LEANING = FACING._replace(
+    laws={name: law for name, law in FACING.laws.items() if law != TABLED}, multipoles=None, mirrors=False
+)
+"""Between two pairs of facing walls of a tilted dish."""
 
 
 # --- choices of a scene -----------------------------------------------------------------------------------------------
@@ -354,8 +386,10 @@ def law_of(dish: DishSpec, found: Meniscus) -> int:
     if dish.image == "none":
         return code
     if not found.mirrors:
-        got = f"got {dish.image!r} in an ellipse"
-        raise scene_error("dish.image", f"{got}; expected 'none': no image at its wall is known")
+        where = "an ellipse" if dish.tilt is None else "a tilted dish"
+        raise scene_error(
+            "dish.image", f"got {dish.image!r} in {where}; expected 'none': no image at its wall is known"
+        )
     if code == LEGACY_DISH:
         raise scene_error("dish.image", f"{dish.law!r} has no images; expected image = 'none', or another law")
     return TABLED
@@ -451,6 +485,8 @@ class Shape(NamedTuple):
     """the menisci at the walls; None if they are not known"""
     no_meniscus: str = ""
     """the reason if they are not known"""
+    tilted: Meniscus | None = None
+    """the menisci at the walls of a tilted dish"""
     wavenumber: Callable[[Walls], float] = lambda walls: FIRST_MODE * math.sqrt(math.pi / surfaces.area(walls))
     """of the first sloshing mode (1/m). Default: that of a circle of the same area, the largest for that area"""
 
@@ -460,15 +496,17 @@ SHAPES = {
         "radius",
         lambda radius: surfaces.disc((0.0, 0.0), radius),
         ROUND,
+        tilted=OVAL,
         wavenumber=lambda walls: FIRST_MODE / walls.disc_radius,
     ),
     "rectangle": Shape(
         "size",
         lambda size: surfaces.box((-0.5 * size[0], -0.5 * size[1]), (0.5 * size[0], 0.5 * size[1])),
         FACING,
+        tilted=LEANING,
         wavenumber=lambda walls: 0.5 * math.pi / max(surfaces.bounds(walls)[1]),
     ),
-    "ellipse": Shape("size", ellipse, OVAL),
+    "ellipse": Shape("size", ellipse, OVAL, tilted=OVAL),
     "polygon": Shape(
         "vertices",
         surfaces.polygon,
@@ -499,13 +537,24 @@ def walls_of(dish: DishSpec | None) -> Walls:
     if dish is None:
         return no_walls()
     row = SHAPES[name_of(dish)]
-    # A round wall that closes has flat leaves, as an iris has.
-    if dish.barrier is not None and dish.radius is not None and row is SHAPES["round"]:
-        return enclosed_by(ellipse((2.0 * dish.radius, 2.0 * dish.radius)))
+    # A round wall that closes has flat leaves, as an iris has; one that is tilted is an ellipse in the level surface.
+    flat = dish.radius is not None and (dish.barrier is not None or dish.tilt is not None)
     try:
-        return enclosed_by(row.surfaces(getattr(dish, row.key)))
+        walls = enclosed_by(ellipse(_axes(dish)) if flat else row.surfaces(getattr(dish, row.key)))
     except BadInput as fault:
         raise scene_error(f"dish.{row.key}", str(fault)) from fault
+    return walls if dish.tilt is None else _cut_level(walls, tilt_of(dish))
+
+
+def tilt_of(dish: DishSpec) -> meniscus.Tilt:
+    """The tilt of a dish; by default none."""
+    return meniscus.LEVEL if dish.tilt is None else meniscus.Tilt(dish.tilt.angle, dish.tilt.direction)
+
+
+def _cut_level(walls: Walls, tilt: meniscus.Tilt) -> Walls:
+    """The lines of the walls of a tilted dish in the level surface."""
+    outward, inclination = meniscus.leaning_walls(-walls.normal, tilt)
+    return walls._replace(normal=-np.asarray(outward), offset=walls.offset / np.cos(inclination))
 
 
 def outline_of(dish: DishSpec) -> Array:
@@ -514,18 +563,19 @@ def outline_of(dish: DishSpec) -> Array:
 
 
 def sloshing_wavenumber(dish: DishSpec) -> float:
-    """The wavenumber of the first sloshing mode (1/m); in a rectangle along its longer side."""
-    return SHAPES[name_of(dish)].wavenumber(walls_of(dish))
+    """The wavenumber of the first sloshing mode (1/m) in the upright dish; in a rectangle along its longer side."""
+    return SHAPES[name_of(dish)].wavenumber(walls_of(dataclasses.replace(dish, tilt=None)))
 
 
 def meniscus_of(dish: DishSpec) -> Meniscus:
     """The kind of meniscus at the walls of a dish. Raises SceneError if it is not known."""
     name = name_of(dish)
     row = SHAPES[name]
-    if row.meniscus is None:
+    found = row.meniscus if dish.tilt is None else row.tilted
+    if found is None:
         path, got = ("dish.law", dish.law) if dish.law != "none" else ("dish.image", dish.image)
         raise scene_error(path, f"got {got!r} for the shape {name!r}; expected 'none': {row.no_meniscus}")
-    return row.meniscus
+    return found
 
 
 def _has_meniscus(dish: DishSpec | None) -> bool:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from pathlib import Path as Folder
 from typing import Annotated, Any, Self
@@ -40,13 +41,15 @@ from ecume.scenes.quantities import (
     WettingAngle,
 )
 from ecume.scenes.tables import MOST_BYTES, beside, followed, lines_of, require_there, table_text
-from ecume.units import ROOM, Force, Number, Rate, Unit
+from ecume.units import ROOM, Angle, Force, Number, Rate, Unit
 
 Torque = Annotated[float, Unit("N*m")]
 FluxDensity = Annotated[float, Unit("T"), Field(ge=-10.0, le=10.0)]
 Corners = Annotated[tuple[tuple[Coordinate, Coordinate], ...], Field(min_length=3, max_length=100)]
 TABLE = "velocity_from"
 COLUMNS = {"x": "m", "y": "m", "vx": "m/s", "vy": "m/s"}
+STEEPEST = math.radians(60.0) * (1.0 + 1e-12)
+"""The largest tilt of a dish (rad)."""
 EVEN = 1e-6
 """The largest deviation of nodes from equal steps, over a step."""
 
@@ -220,6 +223,20 @@ class DishMotionSpec:
 
 
 @dataclass(frozen=True, kw_only=True, config=STRICT)
+class DishTiltSpec:
+    """A dish whose axis is tilted, at rest. The surface of the liquid stays level, so that floats do not slide along
+    it: the walls meet it at another angle and along another line.
+    """
+
+    angle: Annotated[Angle, Field(ge=0.0, le=STEEPEST)]
+    """The angle of the axis of the dish from the vertical (rad), up to 60 deg. Example: `"10 deg"`. Effect: the liquid
+    stands higher at the wall that leans over it, and lower at the wall that leans away."""
+    direction: Direction = 0.0
+    """The direction from the x axis to which the rim leans (rad). Example: `"90 deg"`. Effect: light floats collect at
+    the opposite wall."""
+
+
+@dataclass(frozen=True, kw_only=True, config=STRICT)
 class CellSpec:
     """A periodic rectangle with one corner at the origin."""
 
@@ -277,6 +294,9 @@ class DishSpec:
     normal force times the radius of the float. Effect: floats that roll along the wall stop."""
     motion: DishMotionSpec | None = None
     """The motion of the dish. Effect: inertial forces and drag act on the floats."""
+    tilt: DishTiltSpec | None = None
+    """The tilt of the dish. Effect: the height of the liquid differs around the wall, and attracts floats to one
+    side."""
     barrier: BarrierSpec | None = None
     """A side of a rectangular dish that moves, or the whole wall of a dish that closes. Effect: compresses the floats,
     and records their surface pressure."""
@@ -295,7 +315,10 @@ class DishSpec:
 
 
 def _require_sides(dish: DishSpec, barrier: BarrierSpec, given: str) -> None:
-    """Refuse barriers that are no side of a rectangle, and menisci at a wall that closes."""
+    """Refuse barriers that are no side of a rectangle or lean, and menisci at a wall that closes."""
+    if dish.tilt is not None:
+        got = "got a tilted dish, whose barrier would lean with its walls"
+        raise Inconsistent([(("barrier",), f"{got}; expected no dish.tilt, or no barrier")])
     if barrier.closes:
         key = "law" if dish.law != "none" else "image"
         if (law := getattr(dish, key)) != "none":

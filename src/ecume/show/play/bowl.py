@@ -120,6 +120,8 @@ class Bowl:
             raise BadInput("expected a scene of model 'floating' with a [dish]")
         if scene.dish.barrier is not None:
             raise BadInput("got a dish with a barrier; expected sides at rest: a game starts its scene at each change")
+        if scene.dish.tilt is not None:
+            raise BadInput("got a tilted dish; expected no dish.tilt: a game tilts the dish itself, and it sloshes")
         self.hand: Hand | None = None
         self.slosh, self.tilt = Slosh(), (0.0, 0.0)
         self.time, self.calmed, self.news = 0.0, -math.inf, list[str]()
