@@ -95,6 +95,27 @@ def test_a_factorization_stands_in_where_gradients_give_up_however_short_the_ste
     assert auto.position == pytest.approx(integrated(solved_by(scene, "direct"))[1].position, abs=1e-6)
 
 
+def test_many_spheres_move_alike_with_fewer_iterations_of_less_accurate_systems(monkeypatch):
+    """Their least number is changed: the same positions to the tolerance of a stage, from fewer digits of each system."""
+    scene, counted = solved_by(packing(count=40, strain=1e-2, duration=0.5), "iterative"), solvers.iteratively
+    iterations = []
+
+    def watched(kept, *given):
+        before = kept.iterations
+        solved = counted(kept, *given)
+        iterations[-1] += kept.iterations - before
+        return solved
+
+    monkeypatch.setitem(solvers.SOLVERS, "iterative", watched)
+    ends = []
+    for many in (10**9, 1):
+        monkeypatch.setattr(solvers, "MANY", many)
+        iterations.append(0)
+        ends.append(integrated(scene)[1].position)
+    assert iterations[1] < 0.9 * iterations[0]
+    assert np.abs(ends[1] - ends[0]).max() < 1e-9 * np.abs(ends[0]).max()
+
+
 @pytest.mark.long
 def test_interruptions_change_no_bit_while_solvers_take_turns(monkeypatch):
     monkeypatch.setattr(solvers, "DENSER", 0.0)

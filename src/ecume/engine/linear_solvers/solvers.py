@@ -23,8 +23,11 @@ from ecume.engine.linear_solvers.block_matrix import Matrix, Pattern, center, el
 from ecume.units import Array
 
 MOST_ITERATIONS = 2000
-NEWTON = 1e-4
-"""The relative accuracy of linear systems in Newton's method."""
+NEWTON, NEWTON_OF_MANY, MANY = 1e-4, 1e-2, 500
+"""The relative accuracy of linear systems in Newton's method, and that for at least so many particles. Newton's method
+ends at the same residual. With more particles more iterations are needed for each digit, so that digits in excess of
+those that the linearization has cost more than a further iteration of Newton's method.
+"""
 DENSER = 0.3
 """The time of an operation in a factorization over that in a sweep, which waits for memory."""
 FEW = 10
@@ -50,6 +53,11 @@ class Kept:
     elimination: sparse_lu.Analysis | None = None
     analysis: Any = None
     """by CHOLMOD"""
+
+
+def accuracy_for(count: int) -> float:
+    """The relative accuracy of the iterative solver in Newton's method for this number of particles."""
+    return NEWTON_OF_MANY if count >= MANY else NEWTON
 
 
 Solve = Callable[[Kept, Matrix, Array, Array, int], bool]

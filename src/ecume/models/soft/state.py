@@ -10,7 +10,7 @@ from ecume._jit import compiled
 from ecume.engine.cells import Integers
 from ecume.engine.linear_solvers import block_matrix
 from ecume.engine.linear_solvers.block_matrix import Matrix
-from ecume.engine.linear_solvers.solvers import Kept
+from ecume.engine.linear_solvers.solvers import Kept, accuracy_for
 from ecume.engine.walls import nearest_points
 from ecume.laws import soft_pair
 from ecume.models.soft.cell import Cell, make_cell
@@ -150,12 +150,12 @@ def make_state(parameters: Parameters, position: Array, room: int) -> State:
         tally=np.zeros(3, np.int64),
         effort=np.zeros(3, np.int64),
         budget=np.zeros(4),
-        **_layers(parameters, count),
+        **resting_layers(parameters, count),
         **waiting_rates(parameters),
     )
 
 
-def _layers(parameters: Parameters, count: int) -> dict[str, Any]:
+def resting_layers(parameters: Parameters, count: int) -> dict[str, Any]:
     """The arrays of permeating liquid at rest; none without permeation."""
     if not parameters.permeation:
         return {}
@@ -229,7 +229,8 @@ def workspace(parameters: Parameters, state: State, room: float) -> Workspace:
         borders=shared,
         budget=make_budget_sums(stages, contacts + int(state.touching.sum())),
     )
-    return Workspace(step, Kept(pattern, width, parameters.dimensions), int(state.generation[0]))
+    kept = Kept(pattern, width, parameters.dimensions, accuracy_for(count))
+    return Workspace(step, kept, int(state.generation[0]))
 
 
 def store(parameters: Parameters, state: State, step: Step) -> None:
