@@ -206,3 +206,35 @@ def permeating(dice):
 def test_a_random_packing_that_liquid_permeates_keeps_what_every_run_keeps(seed):
     """Balance, energy, the order of spheres, half a turn of the scene, and half runs."""
     assert random_scenes.outcome(seed, permeating) == ("done", {})
+
+
+def compressed(dice):
+    """The same after a preparation, during which no liquid has to permeate, by the wall that has a pressure."""
+    plain = permeating(dice)
+    while "pressure" not in plain["walls"][1]:
+        plain = permeating(dice)
+    pressure, rate = (
+        plain["walls"][1]["pressure"],
+        1e-5 * plain["particles"][0]["modulus"] / plain["liquid"]["viscosity"],
+    )
+    return plain | {
+        "preparation": {"pressure": float(dice.choice([0.5, 1.0])) * pressure, "rate": rate, "relaxed": 0.1}
+    }
+
+
+@pytest.mark.long
+@pytest.mark.compiled
+@pytest.mark.parametrize("seed", [1])
+def test_a_random_packing_that_is_prepared_and_then_permeated_keeps_what_every_run_keeps(seed):
+    assert random_scenes.outcome(seed, compressed) == ("done", {})
+
+
+def test_liquid_permeates_a_prepared_packing_from_time_zero_on():
+    """The compression leaves no pore pressure; a load that grows then is borne by the liquid alone."""
+    prepared = {"preparation": {"pressure": LOAD * 2.0 * RADIUS, "rate": 0.3, "relaxed": 0.3}}
+    scene = column(3, duration=2.0, **prepared)
+    frames, _ = ran(scene)
+    first, last = frames[0].numbers, frames[1].numbers
+    assert first["preparation_time"] > 0.0
+    assert first["largest_pore_pressure"] == 0.0
+    assert last["pore_pressure_bottom"] == pytest.approx(MORE * LOAD * 2.0 * RADIUS, rel=0.05, abs=0.0)

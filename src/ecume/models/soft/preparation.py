@@ -16,7 +16,7 @@ from ecume.models.soft.parameters import Parameters, Planes
 from ecume.models.soft.protocol import at_frames, drive_at, protocol_of, rules_at
 from ecume.models.soft.report.diagnosis import diagnosis
 from ecume.models.soft.report.observation import AXES, observe
-from ecume.models.soft.state import CLOCK, LENGTH, PAST_ERROR, UPRIGHT, State, waiting_rates, workspace
+from ecume.models.soft.state import CLOCK, LENGTH, PAST_ERROR, UPRIGHT, State, resting_layers, waiting_rates, workspace
 from ecume.scenes.soft import SIDES, PreparationSpec, SoftScene, StageSpec, dimensions_of, first_fraction, sides_of
 from ecume.units import Array
 
@@ -33,6 +33,7 @@ def start(scene: SoftScene, parameters: Parameters) -> State:
     if scene.preparation is None:
         return setup.start(scene, parameters)
     state = _prepared(scene, scene.preparation, parameters)
+    state = state._replace(**resting_layers(parameters, len(state.position)))
     if not parameters.drag.any():
         setup.require_hold(parameters, state)
         setup.require_no_torque(parameters, state)
@@ -63,12 +64,14 @@ def _pressing(scene: SoftScene, spec: PreparationSpec, parameters: Parameters) -
 
 
 def _unloaded(scene: SoftScene, parameters: Parameters) -> Parameters:
-    """The parameters without loads and without an end, with frames at intervals of 1/rate and with walls at rest."""
+    """The parameters without loads and without an end, with frames at intervals of 1/rate, with walls at rest, and
+    without permeation: the liquid has time to flow.
+    """
     nothing = {name: np.zeros_like(getattr(parameters, name)) for name in ("force", "torque", "weight")}
     walls = parameters.walls._replace(force=np.zeros_like(parameters.walls.force), free=np.zeros((0, 2), np.int64))
     walls = _moved(walls, np.zeros_like(walls.surfaces.velocity))
     tick = 1.0 / setup.compression_rate(scene, parameters) / parameters.steps_per_frame
-    return parameters._replace(time_step=tick, end=math.inf, walls=walls, **nothing)
+    return parameters._replace(time_step=tick, end=math.inf, walls=walls, permeation=(), **nothing)
 
 
 def _moved(walls: Planes, velocity: Array) -> Planes:
