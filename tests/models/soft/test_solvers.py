@@ -96,7 +96,7 @@ def test_a_factorization_stands_in_where_gradients_give_up_however_short_the_ste
 
 
 def test_many_spheres_move_alike_with_fewer_iterations_of_less_accurate_systems(monkeypatch):
-    """Their least number is changed: the same positions to the tolerance of a stage, from fewer digits of each system."""
+    """The same positions to the tolerance of a stage, from fewer digits of each system."""
     scene, counted = solved_by(packing(count=40, strain=1e-2, duration=0.5), "iterative"), solvers.iteratively
     iterations = []
 
