@@ -161,7 +161,7 @@ def test_transients_are_found_in_the_protocol_and_drawn_with_their_numbers(boxed
     scene, (first, *_) = boxed
     protocol = (
         StageSpec(time=0.0, shear_rate=1.0), StageSpec(time=4.0, shear_rate=0.0), StageSpec(time=8.0, shear_stress=0.2),
-        StageSpec(time=12.0, shear_stress=0.0),
+        StageSpec(time=12.0, shear_stress=0.2), StageSpec(time=12.0, shear_stress=0.0),
     )  # fmt: skip
     scene = dataclasses.replace(scene, duration=16.0, protocol=protocol)
     noise = np.random.default_rng(2)

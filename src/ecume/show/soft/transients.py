@@ -29,7 +29,7 @@ class Turn(NamedTuple):
     end: float
     """s: the next moment; infinite after the last"""
     since: float
-    """s: the moment before, where the shear before it began"""
+    """s: the moment at which the shear before it began"""
 
     @property
     def starts(self) -> bool:
@@ -54,7 +54,14 @@ def turns(scene: SoftScene) -> Iterator[Turn]:
     for stage, following in itertools.zip_longest(stages, stages[1:]):
         after = begun(course, stage)
         yield Turn(course, after, stage.time, math.inf if following is None else following.time, previous)
-        course, previous = after, stage.time
+        if shear_of(after) != shear_of(course):
+            previous = stage.time
+        course = after
+
+
+def shear_of(state: ProtocolState) -> tuple[bool, float, float]:
+    """Whether a stress controls the shear, that stress, and the shear rate."""
+    return bool(state.stressed), float(state.values[SHEAR]), state.shear_rate
 
 
 def start_ups(frames: Frames, scene: SoftScene) -> Figure:
