@@ -17,9 +17,10 @@ EVENTS = {
     "pressed-packing": ("strain of 1", "after about 4 s"),
     "sheared-packing": ("strain of 1", "after about 4 s"),
     "settling": ("20 um: settles", "after about 6.1 s"),
+    "bouncing-particles": ("steel: settles", "after about 290 ms"),
 }
 """By hand: fronts of 2 sqrt(g h) over 1.01 m with h = 0.3 m, a disc that falls by 0.125 m, a strain rate of 0.25/s,
-and 2 mm at 0.327 mm/s, the speed by Stokes of quartz of 2500 kg/m^3.
+2 mm at 0.327 mm/s, the speed by Stokes of quartz of 2500 kg/m^3, and a free fall from 0.4 m in air.
 """
 
 

@@ -73,6 +73,8 @@ def grid_of(spec: FieldSpec, dimensions: int) -> Grid:
         raise BadInput("is of the grid of a run; a file has its own", "spacing")
     readers = {".npz": _of_numpy, ".nc": _of_netcdf, ".nc4": _of_netcdf, ".vti": _of_vtk, ".vtr": _of_vtk,
                ".vtk": _of_vtk}  # fmt: skip
+    if path.suffix.lower() in readers and not path.is_file():
+        raise BadInput(f"there is no file {str(spec.file)!r}", "file")
     if path.suffix.lower() not in readers:
         raise BadInput(f"got {path.name!r}; expected {', '.join(readers)}, or the directory of a run", "file")
     try:

@@ -50,6 +50,16 @@ def test_faxen_s_correction_is_the_lag_in_a_channel():
     assert lag == pytest.approx(RADIUS**2 / 6.0 * 12.0 * 0.01 / 0.1**2, rel=1e-3)
 
 
+@pytest.mark.parametrize(("integrator", "shown"), [("inertial", ["1.2"]), ("overdamped", [])])
+def test_check_states_basset_s_force_of_grains_that_reach_their_terminal_speed(integrator, shown):
+    """Of quartz in water, whatever its radius, a sqrt(1/(nu tau)) is sqrt(4.5/(2.65 + 0.5))."""
+    scene = from_plain({
+        "model": "tracers", "duration": 0.01, "frame_every": 1e-3, "tank": {"high": [0.2, 0.1]},
+        "particles": [{"radius": RADIUS, "density": 2650.0, "count": 2}], "integration": {"integrator": integrator},
+    })  # fmt: skip
+    assert [row[1] for row in MODELS["tracers"].summary(scene) if row[0] == "history force"] == shown
+
+
 def test_saffman_s_lift_drives_a_settling_grain_across_the_flow():
     shear, gravity = 0.5, 9.81
     speed = drag.stokes_settling_speed(RADIUS, 20.0, 1e-3, gravity)

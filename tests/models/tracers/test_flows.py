@@ -12,8 +12,10 @@ from ecume.laws import carrier_flows
 from ecume.models import MODELS, field_files, gridded_flows
 from ecume.models.field_files import grid_of
 from ecume.models.gridded_flows import Grid
+from ecume.models.tracers.check_report import covered
 from ecume.models.tracers.liquid_flow import varying_flow
 from ecume.models.tracers.named_flows import NAMED_FLOWS
+from ecume.models.tracers.record import FlowWarning
 from ecume.models.tracers.tank import bounds
 from ecume.models.user_laws import bind
 from ecume.run import run
@@ -309,6 +311,46 @@ def test_a_file_that_is_no_grid_is_refused(tmp_path, change, words):
     (tmp_path / "scene.toml").write_text(TEXT.format(file="gyre.npz"))
     with pytest.raises(SceneError, match=words):
         MODELS["tracers"].parameters(load_scene(tmp_path / "scene.toml"))
+
+
+def test_a_file_beside_the_tank_is_refused_and_none_is_no_archive(tmp_path):
+    (tmp_path / "scene.toml").write_text(TEXT.format(file="gyre.npz").replace("1 cm", "1 m"))
+    saved(tmp_path)
+    arrays = dict(np.load(tmp_path / "gyre.npz"))
+    np.savez(tmp_path / "gyre.npz", **{**arrays, "y": arrays["y"] + 10.0})
+    with pytest.raises(SceneError, match=r"from 10 m to 110 m along y, the tank from 0 m to 1 m; .* set length_unit"):
+        MODELS["tracers"].parameters(load_scene(tmp_path / "scene.toml"))
+    with pytest.raises(SceneError, match=r"there is no file 'lost\.npz'"):
+        MODELS["tracers"].parameters(scene_of({"field": {"file": "lost.npz"}}))
+
+
+@pytest.mark.parametrize("interpolation", ["divergence-free", "linear"])
+def test_a_part_of_the_tank_or_of_the_run_without_velocities_is_told(interpolation, tmp_path):
+    """The file reaches to (2, 1) m and, with two instants, to 1 s."""
+    saved(tmp_path, instants=2)
+    field = {"file": str(tmp_path / "gyre.npz"), "length_unit": 0.01, "interpolation": interpolation}
+    whole = {"flow": {"field": field}, "duration": 1.0}
+    told = {"tank": {"high": [2.5, 1.25]}, "duration": 3.0, "frame_every": 1.0}
+    assert not {"beyond the grid", "times of the flow"} & set(rows_of(**whole))
+    with pytest.warns(FlowWarning) as said:
+        rows = rows_of(**whole | told)
+    assert rows["beyond the grid"][0] == "36 %"
+    assert rows["times of the flow"][0] == "0 s to 1 s"
+    assert [str(one.message).split(" of the ")[0] for one in said] == ["flow.field: 36 %", "flow.field: 0 s to 1 s"]
+
+
+def test_the_grid_of_a_flow_in_3d_is_compared_along_its_own_axes():
+    shape = gridded_flows.fitted(Grid((0.0, 1.0, 2.0), (0.5, 0.25, 0.2), np.zeros(1), np.zeros((1, 3, 5, 6, 3))),
+                                 "divergence-free").shape  # fmt: skip
+    low, high = covered(shape, 3)
+    assert [*low, *high] == pytest.approx([0.0, 1.0, 2.0, 1.0, 2.0, 3.0])
+
+
+def test_a_step_that_does_not_resolve_the_flow_is_told():
+    """The flow turns at 2 pi/(1 us), and a run has at most 50,000 steps."""
+    pulse = {"amplitude": 1.0, "period": 1e-6}
+    assert "set integration.time_step to 16 ns" in rows_of({**NAMED["channel"], "name": "channel", "pulse": pulse})[
+        "time step"][1]  # fmt: skip
 
 
 def test_what_numpy_saved_alone_is_refused_as_no_archive(tmp_path):

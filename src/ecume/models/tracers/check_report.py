@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -19,7 +21,7 @@ from ecume.models.tracers.parameters import (
     Parameters,
 )
 from ecume.models.tracers.start import start
-from ecume.models.tracers.tank import around, body_of
+from ecume.models.tracers.tank import around, body_of, bounds
 from ecume.scenes.tracers import ObstacleSpec, TracersScene
 from ecume.units import Array, duration_text, size_text, with_prefix
 
@@ -38,6 +40,7 @@ def summary_in(scene: TracersScene, parameters: Parameters, flow: LiquidFlow) ->
     start(scene, parameters)
     fluid = parameters.fluid
     steps, count = last_step(scene, parameters.steps_per_frame), len(parameters.bodies.radius)
+    openings = len(scene.openings)
     stepping = steps * (SECONDS_PER_STEP + SECONDS_PER_PARTICLE * count)
     vectors = dict.fromkeys(("position", "velocity"), scene.dimensions)
     cost = frame_cost(scene, Content(count, {**vectors, "speed": 1, "left": 1}, NUMBERS), steps)
@@ -48,9 +51,9 @@ def summary_in(scene: TracersScene, parameters: Parameters, flow: LiquidFlow) ->
         *sizes_rows(parameters.bodies.radius),
         *flow_rows(scene, parameters, flow),
         *through_solids(scene, parameters, flow),
-        ("walls", str(len(parameters.bouncing.kind)), f"{len(scene.openings)} openings"),
+        ("walls", str(len(parameters.bouncing.kind)), f"{openings} opening{'' if openings == 1 else 's'}"),
         *(row for index in range(len(scene.openings)) for row in coming(scene, parameters, index)),
-        ("time step", with_prefix(parameters.time_step, "s"), accuracy_of(parameters)),
+        ("time step", with_prefix(parameters.time_step, "s"), accuracy_of(parameters, flow)),
         ("steps", str(steps), f"{parameters.steps_per_frame} per frame"),
         *cost.rows(),
         ("memory", size_text(count * BYTES_PER_PARTICLE), f"{count} particles"),
@@ -58,10 +61,17 @@ def summary_in(scene: TracersScene, parameters: Parameters, flow: LiquidFlow) ->
     ]
 
 
-def accuracy_of(parameters: Parameters) -> str:
+TOO_LONG = 5.0
+"""The step from which a remark says that it does not resolve the flow, over the longest one that does."""
+
+
+def accuracy_of(parameters: Parameters, flow: LiquidFlow) -> str:
     """The row on the accuracy of the time step."""
     if parameters.current == ():
         return "exact between walls for linear drag"
+    fits = flow.scales.longest_step()
+    if parameters.time_step > TOO_LONG * fits:
+        return f"too long for a flow that changes this fast: set integration.time_step to {with_prefix(fits, 's', 2)}"
     if parameters.around != () and parameters.bodies.overdamped.any():
         return "of first order where the diffusivity depends on place; exact in equilibrium"
     smooth = parameters.fluid.thermal == 0.0 and bool(parameters.bodies.overdamped.all())
@@ -93,7 +103,9 @@ def summary_of(scene: TracersScene, parameters: Parameters, index: int) -> list[
             (f"{name}: relaxation time", with_prefix(drag.relaxation_time(mass, friction), "s"), regime),
         ]
         rows += slip_of(scene, fluid, index)
-        rows += settled(scene, name, speed - fluid.flow[scene.dimensions - 1]) if parameters.current == () else []
+        if parameters.current == ():
+            pull = 0.0 if bodies.overdamped[first] else abs(float(bodies.apparent_gravity[first]))
+            rows += settled(scene, name, speed - fluid.flow[scene.dimensions - 1], pull)
     if fluid.thermal > 0.0 and friction > 0.0:
         spread, weight = (
             brownian_motion.diffusivity(fluid.thermal, friction),
@@ -119,17 +131,27 @@ def corners_remark(scene: TracersScene, ratio: float) -> str:
     return f"; the noise of a step is {ratio:.2g} times it: wrong by half in corners, set a shorter time_step"
 
 
-def settled(scene: TracersScene, name: str, speed: float) -> list[tuple[str, str, str]]:
-    """The row on the time in which one species crosses a box at a downward speed (m/s); empty without bottom and top,
+def settled(scene: TracersScene, name: str, speed: float, pull: float) -> list[tuple[str, str, str]]:
+    """The row on the time in which one species crosses a box from rest at a downward terminal speed (m/s), which it
+    reaches with the acceleration `pull` (m/s^2; 0 of particles without inertia). It is empty without bottom and top,
     and if particles may leave.
     """
     tank = scene.tank
     if tank is None or tank.high is None or "xyz"[scene.dimensions - 1] in tank.periodic or scene.openings:
         return []
     height = float(tank.high[-1]) - (float(tank.low[-1]) if tank.low is not None else 0.0)
-    way, time = "settles" if speed > 0.0 else "rises", height / abs(speed) if speed else math.inf
+    way, time = "settles" if speed > 0.0 else "rises", fall_time(height, abs(speed), pull)
     times = scene.duration, scene.frame_every
     return event_row(f"{name}: {way}", time, times, "over the height of the tank, without noise")
+
+
+def fall_time(height: float, speed: float, pull: float) -> float:
+    """The time (s) of a fall from rest over a height (m) with a terminal speed (m/s) and an initial acceleration
+    (m/s^2): sqrt((H/W)^2 + 2 H/g), right for short and for long falls with linear drag. Without acceleration H/W.
+    """
+    if speed == 0.0:
+        return math.inf
+    return math.sqrt((height / speed) ** 2 + (2.0 * height / pull if pull > 0.0 else 0.0))
 
 
 SLIPS = 0.01
@@ -196,7 +218,7 @@ def largest_flow(flow: LiquidFlow, low: Array, high: Array) -> float:
 def flow_rows(scene: TracersScene, parameters: Parameters, flow: LiquidFlow) -> list[tuple[str, str, str]]:
     """The rows on a flow that varies in place or time."""
     if parameters.current == ():
-        return []
+        return history_while_relaxing(parameters)
     given = scene.flow
     past = f"{given.around_obstacles}, around {'the obstacle' if len(scene.obstacles) == 1 else 'obstacles'}"
     past_obstacles = given.around_obstacles != "none"
@@ -222,6 +244,7 @@ def flow_rows(scene: TracersScene, parameters: Parameters, flow: LiquidFlow) -> 
     if viscosity > 0.0 and scales.rate > 0.0:
         ratio = unsteady_forces.history_ratio(float(parameters.bodies.radius.max()), viscosity, scales.rate)
         rows.append(("history force", f"{ratio:.2g}", "Basset's over Stokes's drag: not included"))
+    rows += [row for row, _ in beyond_field(scene, parameters)]
     if scene.flow.field is not None:
         remark = "of the fluxes of the file is divergence, which the interpolation omits"
         if scene.flow.field.interpolation == "linear":
@@ -229,6 +252,63 @@ def flow_rows(scene: TracersScene, parameters: Parameters, flow: LiquidFlow) -> 
         else:
             rows.append(("divergence", f"{100.0 * flow.removed:.2g} %", remark))
     return rows
+
+
+def history_while_relaxing(parameters: Parameters) -> list[tuple[str, str, str]]:
+    """The row on Basset's force on particles with inertia, as they reach their terminal speed in a steady flow."""
+    bodies, fluid = parameters.bodies, parameters.fluid
+    dragged = (bodies.overdamped == 0) & (bodies.friction > 0.0)
+    if not dragged.any() or fluid.viscosity == 0.0:
+        return []
+    rates = bodies.friction[dragged] / bodies.mass[dragged]
+    grains = set(zip(bodies.radius[dragged].tolist(), rates.tolist(), strict=True))
+    viscosity = fluid.viscosity / fluid.density
+    ratio = max(unsteady_forces.history_ratio(radius, viscosity, rate) for radius, rate in grains)
+    remark = "Basset's over Stokes's drag before the terminal speed is reached: not included"
+    return [("history force", f"{ratio:.2g}", remark)]
+
+
+BEYOND = 0.1
+"""The part of the tank beyond the grid of a file from which a run warns."""
+
+
+def beyond_field(scene: TracersScene, parameters: Parameters) -> list[tuple[tuple[str, str, str], bool]]:
+    """The rows on the parts of the tank and of the run for which a file has no velocities, and whether they are a
+    warning; empty if the file covers both. The tank beyond the liquid of a recorded run is no warning.
+    """
+    field = scene.flow.field
+    if field is None:
+        return []
+    rows, shape = [], parameters.current.shape
+    (low, high), (left, right) = bounds(scene), covered(shape, scene.dimensions)
+    sides = np.subtract(high, low)
+    common = np.clip(np.minimum(right, high) - np.maximum(left, low), 0.0, None)
+    missing = 1.0 - float(np.prod(common / sides))
+    if missing > 1e-6 and scene.tank is not None:
+        remark = "of the tank is beyond the grid of the file: velocities there are those at its edge"
+        rows.append((("beyond the grid", f"{100.0 * missing:.3g} %", remark), missing > BEYOND and not of_run(scene)))
+    first, last = float(shape.times[0]), float(shape.times[-1])
+    if len(shape.times) > 1 and (first > 0.0 or last < scene.duration * (1.0 - 1e-9)):
+        value = f"{with_prefix(first, 's', 3)} to {with_prefix(last, 's', 3)}"
+        remark = "of the file; before and after these times its first and last velocities hold"
+        rows.append((("times of the flow", value, remark), True))
+    return rows
+
+
+def of_run(scene: TracersScene) -> bool:
+    """Whether the flow is that of a recorded run."""
+    return scene.flow.field is not None and Path(scene.flow.field.file).is_dir()
+
+
+def covered(shape: Any, dimensions: int) -> tuple[Array, Array]:
+    """The corners (d,) of the grid of a flow from a file, in m."""
+    if hasattr(shape, "along"):
+        nodes = shape.along.shape[1], shape.across.shape[2], shape.upward.shape[3]
+    else:
+        nodes = shape.nodes.shape[1:-1]
+    low, step, count = (np.array(each, float) for each in (shape.low, shape.step, nodes))
+    used = [0, 2] if dimensions == 2 and len(low) == 3 else list(range(dimensions))
+    return low[used], (low + step * (count - 1.0))[used]
 
 
 def through_solids(scene: TracersScene, parameters: Parameters, flow: LiquidFlow) -> list[tuple[str, str, str]]:

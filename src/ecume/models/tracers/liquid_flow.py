@@ -171,8 +171,24 @@ def _shape_of_field(scene: TracersScene) -> tuple[Any, float]:
     except BadInput as error:
         key = error.args[1] if len(error.args) > 1 else "file"
         raise SceneError([Fault(f"flow.field.{key}", str(error.args[0]))]) from error
+    _require_overlap(scene, grid)
     fit = gridded_flows.fitted(grid, scene.flow.field.interpolation, _wrapped(scene, grid))
     return fit.shape, fit.removed
+
+
+def _require_overlap(scene: TracersScene, grid: gridded_flows.Grid) -> None:
+    """Raise SceneError for a grid that has no part in common with the tank."""
+    if scene.tank is None:
+        return
+    for axis, (low, high) in enumerate(zip(*bounds(scene), strict=True)):
+        left, nodes = grid.low[axis], grid.velocity.shape[1 + axis]
+        right = left + grid.step[axis] * (nodes - 1)
+        if left >= high or right <= low:
+            way = "xyz"[axis] if scene.dimensions == 3 else "xy"[axis]
+            message = (
+                f"its grid reaches from {left:g} m to {right:g} m along {way}, the tank from {low:g} m to {high:g} m"
+            )
+            raise SceneError([Fault("flow.field.file", f"{message}; shift the tank, or set length_unit")])
 
 
 def _wrapped(scene: TracersScene, grid: gridded_flows.Grid) -> tuple[int, ...]:

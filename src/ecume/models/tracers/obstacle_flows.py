@@ -282,12 +282,23 @@ def _border(frame: Array, size: Any, *, periodic: bool) -> Array:
     return np.concatenate(found)
 
 
+MOST_PLACES = 1e7
+"""The largest number of places in the finest lattice over the whole channel."""
+
+
 def _inner(
     low: tuple[float, float], high: tuple[float, float], size: Any, walls: Array, outlines: list[Array]
 ) -> Array:
     """The inner nodes, from hexagonal lattices of several spacings, each used where edges have about its spacing."""
     corners = np.array([low, high], float)
     finest = float(np.sqrt(((walls[:, 1] - walls[:, 0]) ** 2).sum(axis=1)).min())
+    places_in_all = float(np.prod((corners[1] - corners[0]) / finest))
+    if places_in_all > MOST_PLACES:
+        raise BadInput(
+            f"the shortest side of the obstacles (of discs, 1/48 of their circumference) is {finest:.3g} m, too short "
+            f"for a mesh of the channel; expected at least {finest * math.sqrt(places_in_all / MOST_PLACES):.3g} m, or "
+            "a flow computed elsewhere with flow.field"
+        )
     found = np.zeros((0, 2))
     spacing, coarsest = finest, COARSEST * (high[1] - low[1])
     while True:

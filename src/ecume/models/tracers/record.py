@@ -16,7 +16,7 @@ from ecume.models.invariants import INJECTED, Invariant, NumberHistory, Numbers,
 from ecume.models.liquids import correlations_of
 from ecume.models.model import Model, Source
 from ecume.models.tracers import obstacle_flows, obstacle_flows_3d
-from ecume.models.tracers.check_report import BYTES_PER_PARTICLE, summary_in, through_solids
+from ecume.models.tracers.check_report import BYTES_PER_PARTICLE, beyond_field, summary_in, through_solids
 from ecume.models.tracers.drag_laws import DRAGS
 from ecume.models.tracers.energy_budget import exchange, has_external_work, overdamped_kinetic_energy
 from ecume.models.tracers.flow_loops import loops_for
@@ -65,6 +65,9 @@ def checked_parameters(scene: TracersScene) -> Parameters:
     parameters = within_steps(scene, parameters_of(scene))
     for _, speed, remark in through_solids(scene, parameters, flow_of(parameters)):
         warnings.warn(f"obstacles: {remark} ({speed})", FlowWarning, stacklevel=2)
+    for (_, value, remark), warned in beyond_field(scene, parameters):
+        if warned:
+            warnings.warn(f"flow.field: {value} {remark}", FlowWarning, stacklevel=2)
     return parameters
 
 
@@ -76,7 +79,7 @@ def flow_of(parameters: Parameters) -> LiquidFlow:
 
 
 class FlowWarning(UserWarning):
-    """The flow of a scene is not that of an incompressible liquid."""
+    """The flow of a scene is not that of an incompressible liquid, or not known everywhere."""
 
 
 def observe(parameters: Parameters, state: State, scratch: Workspace) -> Frame:
