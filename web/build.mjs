@@ -49,9 +49,9 @@ for (const name of [...sources.map((one) => `src/${one}`), "build.mjs", "package
 }
 
 writeFileSync(join(out, "view.js"), await bundled("main.ts"));
-for (const name of ["play", "tank", "t1", "solver", "cluster", "pool"]) writeFileSync(join(out, `${name}.js`), await bundled(`${name}.ts`));
+for (const name of ["play", "tank", "t1", "all", "solver", "cluster", "pool"]) writeFileSync(join(out, `${name}.js`), await bundled(`${name}.ts`));
 for (const name of ["play.html", "tank.html", "t1.html"]) writeFileSync(join(out, name), framed(name));
-writeFileSync(join(out, "play.css"), source("play.css"));
+for (const name of ["play.css", "all.css", "all.html"]) writeFileSync(join(out, name), source(name));
 writeFileSync(join(out, "view.css"), style);
 writeFileSync(join(out, "page.html"), readFileSync(join(here, "src/page.html"), "utf8"));
 writeFileSync(join(out, "LICENSES.txt"), licences.join("\n"));

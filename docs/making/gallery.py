@@ -33,25 +33,23 @@ def cards() -> str:
     return "\n".join([*parts, toctree(f"gallery/{name}" for name in scenes)])
 
 
-FRONT = "cereal-bowl"
-"""The template that the start page simulates."""
+FRONT = "play"
+"""The page that simulates, which the start page shows."""
 
 
 def front() -> str:
-    """The bowl of the start page, which simulates in the reader's browser."""
+    """The page that simulates in the reader's browser, on the start page."""
     return (
-        f'<iframe class="simulated" src="_clips/{FRONT}.html" title="a bowl of cereal that this page simulates" '
+        f'<iframe class="simulated" src="_clips/{FRONT}.html" title="a bowl, a tank and a T1 process, simulated here" '
         'sandbox="allow-scripts allow-downloads"></iframe>'
     )
 
 
 def write_front(folder: Path) -> None:
-    """Write the page of that bowl."""
-    from ecume.scenes.load import load_scene
-    from ecume.show.play.alone import save_alone
+    """Write that page."""
+    from ecume.show.play.alone import save_text, templates, together
 
-    scene = load_scene((TEMPLATES / f"{FRONT}.toml").read_text(encoding="utf-8"))
-    save_alone(scene, folder / f"{FRONT}.html", 1.0)
+    save_text(together(templates()), folder / f"{FRONT}.html", 1.0)
 
 
 def pages() -> dict[str, str]:

@@ -1,5 +1,6 @@
 """A page that simulates a tank by itself moves liquid as ecume does, with the same laws, and refuses what it cannot."""
 
+import base64
 import json
 import shutil
 import subprocess
@@ -16,7 +17,7 @@ from ecume.models.sph.report.energy_budget import energies
 from ecume.models.sph.state import make_state
 from ecume.scenes.load import load_scene
 from ecume.scenes.templates import folder
-from ecume.show.play.alone import alone, refusal, save_alone
+from ecume.show.play.alone import MODULES, alone, refusal, save_alone
 from ecume.show.play.memory import slots, types_of
 from ecume.show.play.tank import Push, Tank, fixed, require_playable, tilting, with_hands
 from ecume.show.play.tank_alone import (
@@ -156,7 +157,9 @@ def test_liquid_that_leaves_is_told_and_the_last_of_it_stays(gone, status):
 
 def test_the_compiled_tank_takes_what_ecume_has_now():
     for name in ("small-tank", "dam-break"):
-        assert types_of(tank_arguments(scene_of(name))) == bundled("tank.types"), "the bundle is old: sh scripts/web"
+        for precision, module in MODULES.items():
+            arguments = tank_arguments(scene_of(name, f'method.precision="{precision}"'))
+            assert types_of(arguments) == bundled(f"{module}.types"), "the bundle is old: sh scripts/web"
 
 
 @pytest.mark.parametrize("count", [1, 2, 8])
@@ -171,11 +174,11 @@ def test_only_arrays_of_particles_grow_with_their_number(count):
     assert sizes["drops.velocity"] == [[0, 2], [1, 0]]
 
 
-def test_records_keep_their_bits_in_text():
+def test_records_keep_their_bits():
     constants = parameters_of(load_scene(POOL)).constants
     [[name, kind, shape, value]] = slots({"constants": constants})
-    assert (name, kind, shape) == ("constants", "record 1", [1, len(constants.dtype.names)])
-    assert np.array([int(bits) for bits in value]).view(np.float64)[3] == constants["smoothing_length"][0]
+    assert (name, kind, shape) == ("constants", "record 1", [1, 2 * len(constants.dtype.names)])
+    assert np.array(value, np.uint32).view(np.float64)[3] == constants["smoothing_length"][0]
 
 
 @pytest.mark.parametrize(
@@ -247,6 +250,15 @@ def test_smooth_steps_end_where_those_of_ecume_do(page):
         assert np.abs(density / state.density[order] - 1.0).max() < 1e2 * close
 
 
+@with_node
+def test_sums_in_single_precision_stay_near_those_in_double(page, tmp_path):
+    single = tmp_path / "single.html"
+    scene = scene_of("small-tank", 'spacing = "6 cm"', 'method.precision = "single"')
+    single.write_text(alone(scene), encoding="utf-8")
+    [fine], [coarse] = (shown(*asked(one, ["steps", {"steps": 100}]))[:1] for one in (page, single))
+    assert 1e-9 < np.abs(fine - coarse).max() < 1e-5
+
+
 @pytest.mark.compiled
 @with_node
 def test_a_dam_that_breaks_keeps_its_mass_and_loses_energy(page):
@@ -278,6 +290,40 @@ def test_a_tank_that_is_put_back_leans_no_more(page):
     assert (leaning["leaning"], upright["leaning"]) == (5e-6, 0.0)
     assert "[base_excitation]" in leans
     assert refusal(load_scene(stands)) == ""
+
+
+@pytest.mark.compiled
+@with_node
+def test_a_link_brings_the_liquid_back(page):
+    """Places come back to 1/65535 of the view, and speeds to 1/8192 of the maximum speed."""
+    _, _, there, link, _, said, back, again = asked(
+        page, ["open", {}], ["lean", {"angle": 0.1}], ["steps", {"steps": 100}], ["link", {}], ["anew", {}],
+        ["bring", {"fragment": "@link"}], ["steps", {"steps": 0}], ["link", {}],
+    )  # fmt: skip
+    assert (said, again) == ("", link)
+    for kept, brought, close in zip(shown(there), shown(back), (4e-5, 5e-4, 0.02), strict=True):
+        assert np.abs(kept - brought).max() < close
+    assert there["liquid"]["region"] == back["liquid"]["region"]
+
+
+@pytest.mark.compiled
+@with_node
+def test_hostile_links_of_tanks_end_in_a_sentence_and_change_nothing(page):
+    """The last one puts all liquid into one place: it is brought to rest or begins again, and the page goes on."""
+    few = base64.urlsafe_b64encode(bytes([1, 0, 128, 0, 0, 0] + [128] * 12 + [0])).decode()
+    wrong = base64.urlsafe_b64encode(bytes([1, 9, 128, 0, 0, 0] + [128] * 12 + [0])).decode()
+    region = base64.urlsafe_b64encode(bytes([1, 0, 128, 0, 0, 0] + [128] * 12 + [9])).decode()
+    crowd = base64.urlsafe_b64encode(bytes([1, 0, 128, 0, 0, 0] + ([128] * 12 + [0]) * 200)).decode()
+    texts = ["", "x", "<script>", "%00", "A" * 100_000, wrong, region]
+    before, *said, after = asked(page, ["steps", {"steps": 0}], *(["bring", {"fragment": one}] for one in texts),
+                                 ["steps", {"steps": 0}])  # fmt: skip
+    assert set(said) == {"The link does not describe a tank of this page."}
+    assert after["liquid"] == before["liquid"]
+    one, alone, all_, *late = asked(
+        page, ["bring", {"fragment": few}], ["steps", {"steps": 1}], ["bring", {"fragment": crowd}], *[["now", {}]] * 30
+    )
+    assert (one, all_, len(alone["liquid"]["mass"])) == ("", "", 1)
+    assert np.isfinite(late[-1]["time"])
 
 
 @pytest.mark.compiled

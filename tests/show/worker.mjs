@@ -1,4 +1,5 @@
 // Runs the worker of a page as Node does: node worker.mjs PAGE, with a list of questions [what, more] on stdin as JSON.
+// The fragment "@link" is the last link that was made.
 import { readFileSync } from "node:fs";
 import vm from "node:vm";
 import { gunzipSync } from "node:zlib";
@@ -15,5 +16,9 @@ const [toy, packed] = [JSON.parse(text("toy")), (id) => JSON.parse(bytes(id))];
 const given = page.includes('id="liquids"') ? { alone: toy, liquids: packed("liquids") } : { cases: packed("cases") };
 const start = { wasm: bytes("wasm"), ...given };
 const answers = [await ask("start", start)];
-for (const [what, more] of JSON.parse(readFileSync(0, "utf8"))) answers.push(await ask(what, more));
+let link = "";
+for (const [what, more] of JSON.parse(readFileSync(0, "utf8"))) {
+  answers.push(await ask(what, more?.fragment === "@link" ? { fragment: link } : more));
+  if (what === "link") link = answers[answers.length - 1].answer;
+}
 console.log(JSON.stringify(answers.slice(1)));

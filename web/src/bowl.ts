@@ -120,15 +120,17 @@ export abstract class BowlPage extends Toy<Now> {
   private pointing(): void {
     const { canvas } = this;
     canvas.addEventListener("pointerdown", (event) => {
+      if (!event.isPrimary) return;
       canvas.setPointerCapture(event.pointerId);
       this.press(event);
     });
     canvas.addEventListener("pointermove", (event) => {
-      if (this.held < 0) return;
+      if (this.held < 0 || !event.isPrimary) return;
       const [x, y] = this.picture.at(event);
       void this.act("grasp", { one: this.held, x, y });
     });
-    const release = (): void => {
+    const release = (event: PointerEvent): void => {
+      if (!event.isPrimary) return;
       this.pouring++;
       if (this.held >= 0) void this.act("release");
       this.held = -1;

@@ -3,7 +3,8 @@
 import type { Asking, Told } from "./asking";
 import { bytes, element } from "./toy";
 
-async function unpacked(id: string): Promise<ArrayBuffer> {
+/** What is packed in an element of the page. */
+export async function unpacked(id: string): Promise<ArrayBuffer> {
   const packed = new Blob([bytes(element(id).textContent!) as Uint8Array<ArrayBuffer>]);
   return new Response(packed.stream().pipeThrough(new DecompressionStream("gzip"))).arrayBuffer();
 }

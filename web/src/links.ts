@@ -1,6 +1,7 @@
 // A bowl in the fragment of a link, as few characters: places in 65535ths of the view, speeds in 127ths of the fastest.
 
 import type { Alone, Chapter, Kept } from "./chapters";
+import { coded, decoded, limited, words } from "./fragments";
 
 const VERSION = 1;
 const FINEST = 65535;
@@ -8,14 +9,6 @@ const QUICK = 127;
 
 /** What cannot be a link of this page is said with this. */
 export const NO_LINK = "The link does not describe a bowl of this page.";
-
-function coded(bytes: number[]): string {
-  return btoa(String.fromCharCode(...bytes)).replaceAll("+", "-").replaceAll("/", "_").replaceAll("=", "");
-}
-
-function limited(value: number, least: number, most: number): number {
-  return Math.min(Math.max(Math.round(value), least), most);
-}
 
 /** The fragment of a bowl, without "#". */
 export function linked(kept: Kept, alone: Alone, liquids: string[]): string {
@@ -26,8 +19,7 @@ export function linked(kept: Kept, alone: Alone, liquids: string[]): string {
   for (const [species, x, y, vx, vy] of kept.floats) {
     bytes.push(species);
     for (const part of [(x - left) / (right - left), (y - bottom) / (top - bottom)]) {
-      const whole = limited(part * FINEST, 0, FINEST);
-      bytes.push(whole >> 8, whole & 255);
+      bytes.push(...words(limited(part * FINEST, 0, FINEST)));
     }
     for (const speed of [vx, vy]) bytes.push(128 + limited((QUICK * speed) / alone.fastest, -QUICK, QUICK));
   }
@@ -36,12 +28,8 @@ export function linked(kept: Kept, alone: Alone, liquids: string[]): string {
 
 /** The bowl of a fragment. Throws Error for what is none. */
 export function unlinked(fragment: string, alone: Alone, liquids: (chapter: Chapter) => string[]): Kept {
-  let bytes: number[];
-  try {
-    bytes = Array.from(atob(fragment.replaceAll("-", "+").replaceAll("_", "/")), (one) => one.charCodeAt(0));
-  } catch {
-    throw new Error(NO_LINK);
-  }
+  const bytes = decoded(fragment);
+  if (!bytes) throw new Error(NO_LINK);
   const [version, number] = bytes;
   const chapter = alone.chapters[number];
   if (version !== VERSION || !chapter) throw new Error(NO_LINK);

@@ -3,6 +3,8 @@
 /** Name, type, sizes as pairs (a, b) for a floats + b, and value; of an array in the memory of a larger one its name. */
 export type Slot = [name: string, kind: string, sizes: [number, number][] | null, value: number | string | boolean | (number | string)[] | null];
 
+export type Numbers = Float32Array | Float64Array;
+
 export interface Compiled {
   memory: WebAssembly.Memory;
   __heap_base: WebAssembly.Global;
@@ -10,7 +12,7 @@ export interface Compiled {
 }
 
 const RESULT = 64; // bytes of the block before the arguments
-const BYTES: Record<string, number> = { float64: 8, int64: 8, record: 8, uint32: 4, int32: 4 };
+const BYTES: Record<string, number> = { float64: 8, int64: 8, record: 4, uint32: 4, int32: 4, float32: 4 };
 
 /** The memory of arguments, in a bowl for so many floats. */
 export class Memory {
@@ -75,15 +77,21 @@ export class Memory {
     const view = this.fresh();
     for (let k = 0; k < values.length; k++) {
       if (kind === "float64") view.setFloat64(at + 8 * k, Number(values[k]), true);
+      else if (kind === "float32") view.setFloat32(at + 4 * k, Number(values[k]), true);
       else if (BYTES[kind] === 4) view.setUint32(at + 4 * k, Number(values[k]), true);
       else view.setBigInt64(at + 8 * k, BigInt(values[k]), true);
     }
   }
 
-  /** The numbers of an array of float64, as they lie there. */
-  numbersOf(name: string): Float64Array {
-    const { at, count } = this.places.get(name)!;
-    return new Float64Array(this.memory.buffer, at, count);
+  /** The numbers of an array of floating-point numbers, as they lie there. */
+  numbersOf(name: string): Numbers {
+    const { at, kind, count } = this.places.get(name)!;
+    return new (kind === "float32" ? Float32Array : Float64Array)(this.memory.buffer, at, count);
+  }
+
+  /** How many numbers an array has. */
+  protected countOf(name: string): number {
+    return this.places.get(name)!.count;
   }
 
   /** The numbers of an array of int64. */

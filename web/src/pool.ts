@@ -1,7 +1,8 @@
 // The tank that a page simulates by itself, in a worker: liquid as hands leave it, and ecume's compiled steps.
 
 import type { Poured } from "./asking";
-import { Memory, type Compiled, type Slot } from "./memory";
+import { Memory, type Compiled, type Numbers, type Slot } from "./memory";
+import { poured, unpoured, type Limits } from "./pours";
 import { answering } from "./worker";
 
 const BUDGET = 28; // ms of the clock between two pictures
@@ -45,7 +46,6 @@ interface Basins {
   ladle: number; // radii in spacings
   most: number; // particles
   steepest: number; // rad
-  fields: number; // rows of the table
   pressure: number; // the row of pressures
 }
 
@@ -125,6 +125,12 @@ class Basin extends Memory {
     return this.numbersOf("room.answer")[0];
   }
 
+  /** A row of the table of fields: see `table_of` in `ecume.show.play.tank_steps`. */
+  row(number: number): Numbers {
+    const images = this.wholes("room.first").pop()!;
+    return this.numbersOf("room.fields").subarray(number * (this.countOf("room.counts") + images));
+  }
+
   /** The acceleration beside gravity (m/s^2). */
   get pull(): number[] {
     return [...this.numbersOf("basin.gravity")].map((each, axis) => each - this.numbersOf("basin.upright")[axis]);
@@ -144,17 +150,17 @@ class Basin extends Memory {
 
 /** Liquid as it lies in memory, first x of all particles, then y. */
 interface Kept {
-  position: Float64Array;
-  velocity: Float64Array;
-  density: Float64Array;
-  mass: Float64Array;
+  position: Numbers;
+  velocity: Numbers;
+  density: Numbers;
+  mass: Numbers;
   numbers: number[];
   region: number[];
 }
 
 function inOrder({ position, velocity, density, mass, numbers, region }: Kept): Liquid {
   const order = [...numbers.keys()].sort((one, other) => numbers[one] - numbers[other]);
-  const pairs = (of: Float64Array): [number, number][] => order.map((one) => [of[one], of[mass.length + one]]);
+  const pairs = (of: Numbers): [number, number][] => order.map((one) => [of[one], of[mass.length + one]]);
   return {
     position: pairs(position),
     velocity: pairs(velocity),
@@ -278,14 +284,13 @@ class Pool {
     const count = position.length / 2;
     const most = told.ends[coloring];
     const [places, colors] = [new Uint16Array(2 * count), new Uint8ClampedArray(count)];
-    const table = basin.numbersOf("room.table");
-    const pressure = (told.pressure * table.length) / told.fields;
+    const pressure = basin.row(told.pressure);
     for (let one = 0; one < count; one++) {
       for (const axis of [0, 1]) {
         const part = (position[axis * count + one] - told.low[axis]) / (told.high[axis] - told.low[axis]);
         places[2 * one + axis] = Math.min(Math.max(part, 0), 1) * FINEST;
       }
-      const value = coloring === "speed" ? Math.hypot(velocity[one], velocity[count + one]) : table[pressure + one];
+      const value = coloring === "speed" ? Math.hypot(velocity[one], velocity[count + one]) : pressure[one];
       colors[one] = (255 * value) / most;
     }
     return {
@@ -314,8 +319,35 @@ class Pool {
     else if (what === "drag") [this.aim, this.waved] = [limited(x - this.told.low[0], 0, this.told.pushed * this.width), -Infinity];
     else if (what === "wave") [this.aim, this.waved] = [0, this.time];
     else if (what === "anew") this.anew();
+    else if (what === "link") return this.link();
+    else if (what === "bring") return this.bring(String(asked.fragment));
     else if (what === "color" && (asked.name === "speed" || asked.name === "pressure")) this.coloring = asked.name;
     else return "That cannot be done.";
+    return "";
+  }
+
+  /** What a link can describe. */
+  private get limits(): Limits {
+    const { told } = this;
+    const { steepest, low, high, density, spacing, most } = told;
+    const [gates, regions, farthest] = [told.slots.length - 1, told.colors.length + 1, told.pushed * this.width];
+    return { gates, regions, farthest, fastest: told.ends.speed, cell: density * spacing * spacing, steepest, low, high, density, most };
+  }
+
+  private link(): string {
+    return poured({ ...this.basin.liquid(), opened: this.opened, tilt: this.tilt, wall: this.basin.wall }, this.limits);
+  }
+
+  /** Go on with what a link says. */
+  private bring(fragment: string): string {
+    try {
+      const { opened, tilt, wall, ...liquid } = unpoured(fragment, this.limits);
+      this.anew();
+      [this.opened, this.tilt, this.leaning, this.aim] = [opened, tilt, tilt, this.told.movable ? wall : 0];
+      this.begin(liquid, this.aim);
+    } catch (fault) {
+      return (fault as Error).message;
+    }
     return "";
   }
 

@@ -4,16 +4,34 @@ import { drawCode } from "./code";
 import type { Inside } from "./inside";
 import { element } from "./toy";
 
-const LOCAL = location.protocol === "file:" || ["127.0.0.1", "localhost", "[::1]"].includes(location.hostname);
+/** The frame of this page in a page of several simulations; null in any other frame, and where there is none. */
+const FRAME = ownFrame();
+/** The address that links begin with. */
+const AROUND = FRAME ? window.parent.location : location;
+const LOCAL = AROUND.protocol === "file:" || ["127.0.0.1", "localhost", "[::1]"].includes(AROUND.hostname);
 /** The program that gave the page out answers nobody without its token, which stays here. */
-const GUARDED = new URLSearchParams(location.search).has("token");
+const GUARDED = new URLSearchParams(AROUND.search).has("token");
 
 /** Whether the page has an address: one that is written into a frame of another page has none. */
-const addressed = ["file:", "http:", "https:"].includes(location.protocol);
+const addressed = ["file:", "http:", "https:"].includes(AROUND.protocol);
+
+function ownFrame(): HTMLElement | null {
+  try {
+    const frame = window.frameElement as HTMLElement | null;
+    return frame?.dataset.name === undefined ? null : frame;
+  } catch {
+    return null;
+  }
+}
+
+/** The fragment that an address of this page has. */
+function arrived(): string {
+  return FRAME ? FRAME.dataset.fragment! : location.hash.slice(1);
+}
 
 /** What is handed over: a link, or what makes one behind the address of another page. */
 function handed(fragment: string): string {
-  return GUARDED ? fragment : location.href.split("#")[0] + fragment;
+  return GUARDED ? fragment : AROUND.href.split("#")[0] + fragment;
 }
 
 function where(): string {
@@ -22,9 +40,11 @@ function where(): string {
 }
 
 /** Show a link and its code, and copy it where that is allowed; what is said of it. */
-async function share(fragment: string, what: string): Promise<string> {
+async function share(link: string, what: string): Promise<string> {
+  const fragment = FRAME ? `#${FRAME.dataset.name}.${link}` : `#${link}`;
   const address = handed(fragment);
-  if (window === window.top) history.replaceState(null, "", fragment);
+  const page = FRAME ? window.parent : window;
+  if (page === window.top) page.history.replaceState(null, "", fragment);
   const shown = element<HTMLInputElement>("address");
   shown.value = address;
   shown.onfocus = () => shown.select();
@@ -38,10 +58,10 @@ async function share(fragment: string, what: string): Promise<string> {
 /** The button that makes a link of what is there; what a link brings is brought, now and when another one comes. */
 export async function offerLinks(inside: Inside, what: string, say: (text: string) => void, bring: (fragment: string) => Promise<unknown>): Promise<void> {
   const arrive = async (): Promise<void> => {
-    if (location.hash.length > 1) await bring(location.hash.slice(1));
+    if (arrived()) await bring(arrived());
   };
   element("link").hidden = !addressed;
-  element("link").addEventListener("click", async () => say(await share(`#${await inside.act("link")}`, what)));
+  element("link").addEventListener("click", async () => say(await share(await inside.act("link"), what)));
   window.addEventListener("hashchange", () => void arrive());
   await arrive();
 }

@@ -2,7 +2,8 @@
 
 import type { Asking, Poured } from "./asking";
 import { type Basin, FINEST, Picture, words } from "./basin";
-import { begun, beginning } from "./inside";
+import { begun, beginning, Inside } from "./inside";
+import { offerLinks } from "./sharing";
 import { bytes, choices, DEGREE, element, header, paintBar, themed, Toy } from "./toy";
 
 const basin = header<Basin>();
@@ -40,7 +41,9 @@ class Pool extends Toy<Poured> {
     for (const id of ["wave", "push"]) element(id).hidden = !basin.movable;
     this.pointing();
     this.tilting();
-    void this.follow();
+    const linked = asking instanceof Inside;
+    element("link").hidden = !linked;
+    void (linked ? offerLinks(asking, "tank", (text) => this.say(text), (fragment) => this.act("bring", { fragment })) : Promise.resolve()).then(() => this.follow());
   }
 
   protected draw(seen: Poured): void {
@@ -70,6 +73,7 @@ class Pool extends Toy<Poured> {
     const { canvas } = this;
     const at = (event: PointerEvent): [number, number] => this.picture.at(event, this.seen?.leaning ?? 0);
     canvas.addEventListener("pointerdown", (event) => {
+      if (!event.isPrimary) return;
       const [x, y] = at(event);
       const wall = basin.low[0] + (this.seen?.wall ?? 0);
       const holds = basin.movable && Math.abs(x - wall) < NEAR * (basin.high[0] - basin.low[0]);
@@ -80,11 +84,11 @@ class Pool extends Toy<Poured> {
       this.again();
     });
     canvas.addEventListener("pointermove", (event) => {
-      if (!this.hand) return;
+      if (!this.hand || !event.isPrimary) return;
       [this.hand.x, this.hand.y] = at(event);
       if (this.hand.holds) void this.act("drag", { x: this.hand.x });
     });
-    for (const end of ["pointerup", "pointercancel"] as const) canvas.addEventListener(end, () => (this.hand = null));
+    for (const end of ["pointerup", "pointercancel"] as const) canvas.addEventListener(end, (event) => event.isPrimary && (this.hand = null));
   }
 
   /** Pour on while the hand is down. */

@@ -14,10 +14,13 @@ from types import FunctionType
 from typing import Any
 
 import ecume._jit
+import ecume._lowering
 
 # A page has one thread. Said before any module is imported that has loops over threads.
 ecume._jit.threaded = ecume._jit.spread = ecume._jit.compiled
 ecume._jit.summing = partial(ecume._jit._dispatcher, cache=True, fastmath=ecume._jit.ANY_ORDER)
+# Vectors of a page have 16 bytes. Those of this processor would spill, and bytes would depend on where they are made.
+ecume._lowering._vector_bytes = lambda context: 16  # type: ignore[attr-defined]
 
 import numba
 import numpy as np
@@ -46,6 +49,19 @@ from ecume.show.play.tank_alone import tank_arguments
 HERE = Path(__file__).parent
 FLAGS = ("--no-entry", "--strip-all", "--gc-sections", "--stack-first", "-z", "stack-size=1048576")
 EXPORTS = ("memory_from", "__heap_base")
+
+
+def without_folders(made: Any, filename: str, *rest: Any, **named: Any) -> None:
+    """Name a place in a source from the folder of the project on: texts of errors have it, and bytes of modules would
+    depend on the folders of this machine.
+    """
+    for place in (HERE.resolve().parents[1], Path(sys.prefix)):
+        filename = filename.removeprefix(f"{place}/")
+    LOCATED(made, filename, *rest, **named)
+
+
+LOCATED = numba.core.ir.Loc.__init__
+numba.core.ir.Loc.__init__ = without_folders
 
 
 def bowl() -> dict[str, Any]:
@@ -91,9 +107,10 @@ def _dot(one: Any, other: Any) -> Any:
     return lambda one, other: np.sum(one * other)
 
 
-def tank() -> dict[str, Any]:
+def tank(precision: str = "double") -> dict[str, Any]:
     """The arguments of a tank."""
-    return tank_arguments(load_scene((folder() / "small-tank.toml").read_text(encoding="utf-8")))
+    text = (folder() / "small-tank.toml").read_text(encoding="utf-8")
+    return tank_arguments(load_scene(text, [f'method.precision="{precision}"']))
 
 
 def of_tank(arguments: dict[str, Any]) -> list[Entry]:
@@ -117,17 +134,12 @@ def run(*words: Any) -> None:
     subprocess.run([str(word) for word in words], check=True)
 
 
-def without_folders(module: bytes) -> bytes:
-    """The module with dots in place of the folders of this machine, which texts of errors name; its size stays."""
-    for place in (HERE.resolve().parents[1], Path(sys.prefix)):
-        name = str(place).encode()
-        module = module.replace(name, b"." * len(name))
-    return module
-
-
-INLINED = {"tank": 25}
+INLINED = {"tank": 25, "tank-single": 25}
 """A step of a tank as one function takes LLVM several minutes."""
-MODULES = {"bowl": (bowl, of_bowl), "t1": (cluster_arguments, of_cluster), "tank": (tank, of_tank)}
+MODULES = {
+    "bowl": (bowl, of_bowl), "t1": (cluster_arguments, of_cluster), "tank": (tank, of_tank),
+    "tank-single": (partial(tank, "single"), of_tank),
+}  # fmt: skip
 
 
 def build(python: str, target: Path, only: list[str]) -> None:
@@ -156,8 +168,6 @@ def build(python: str, target: Path, only: list[str]) -> None:
             exports = [f"--export={one}" for one in (*EXPORTS, *(entry.name for entry in made))]
             objects = (work / f"{module}.o", work / "pow.o", functions, archive)
             run(*zig, "wasm-ld", *FLAGS, *exports, *objects, "-o", target / f"{module}.wasm")
-            linked = (target / f"{module}.wasm").read_bytes()
-            (target / f"{module}.wasm").write_bytes(without_folders(linked))
 
 
 if __name__ == "__main__":

@@ -120,9 +120,25 @@ give:
 define i32 @numba_attempt_nocopy_reshape(i64 %nd, ptr %n, ptr %s, i64 %axes,
                                          ptr %sizes, ptr %strides, i64 %item, i32 %f) {
   %row = icmp eq i64 %axes, 1
-  br i1 %row, label %one, label %trap
+  br i1 %row, label %one, label %more
 one:
   store i64 %item, ptr %strides
+  ret i32 1
+more:
+  %old = load i64, ptr %s
+  %next = icmp eq i64 %old, %item
+  %from = icmp eq i64 %nd, 1
+  %to = icmp eq i64 %axes, 2
+  %both = and i1 %from, %to
+  %well = and i1 %both, %next
+  br i1 %well, label %two, label %trap
+two:
+  %second = getelementptr i64, ptr %sizes, i32 1
+  %across = load i64, ptr %second
+  %step = mul i64 %across, %item
+  store i64 %step, ptr %strides
+  %last = getelementptr i64, ptr %strides, i32 1
+  store i64 %item, ptr %last
   ret i32 1
 trap:
   call void @llvm.trap()
@@ -135,7 +151,8 @@ declare void @llvm.trap()
 """
 """Counting of references, and memory for arrays that a function makes: they end before the entry does, the last one
 first, so that memory is a stack. A block begins with its count (8 bytes) and the address of its end; at 24 bytes is the
-address of its data, which follow after 64 bytes. Numba asks for another shape only to see a contiguous array as a row.
+address of its data, which follow after 64 bytes. Numba asks for another shape only to see a contiguous array as a row,
+or a contiguous row as rows.
 `fused` is `rounded_twice`.
 """
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import contextlib
 import time
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
@@ -14,6 +14,9 @@ from ecume.cli.output import echo, wrote
 from ecume.cli.runs import HERE, Quiet, offered
 from ecume.cli.scenes import Overrides, without_compiler_for
 from ecume.errors import BadInput
+
+if TYPE_CHECKING:
+    from ecume.show.view.page import Parts
 
 LOOK_EVERY = 0.5
 """Seconds between two checks whether a followed run has ended."""
@@ -115,40 +118,70 @@ def play(
         Path | None,
         argument(
             metavar="SCENE",
-            help="Scene of floats in a dish, of a tank in 2D, or of a T1 process; default: a small bowl.",
+            help="Scene of floats in a dish, of a tank in 2D, or of a T1 process; default: one of each on one page.",
         ),
     ] = None,
     tank: Annotated[bool, typer.Option("--tank", help="Use a small tank of water instead of a scene.")] = False,
+    save: Annotated[
+        Path | None, option("--save", metavar="FILE", help="Write the page to a file instead of opening it.")
+    ] = None,
     overrides: Overrides = None,
 ) -> None:
     """Play with a simulation in the browser while it runs.
 
     A bowl: drop and drag floats, tilt the dish, change the liquid. A tank: pour liquid, open a gate, push a wall, tilt.
     A T1 process: change the gap and the forces.
-    A bowl or a tank is simulated in the page where its laws are compiled into pages, otherwise by this program.
+    All are simulated in the page where their laws are compiled into pages, otherwise by this program.
 
     Ends with Ctrl-C. `save as scene` on the page writes the present state as a scene in TOML.
 
-    Examples: `ecume play` · `ecume play --tank` · `ecume play bowl.toml --set dish.contact_angle='"110 deg"'`
+    Examples: `ecume play` · `ecume play --tank` · `ecume play --save play.html`
+    · `ecume play bowl.toml --set dish.contact_angle='"110 deg"'`
     """
     from ecume.scenes.load import load_scene
     from ecume.scenes.templates import folder
-    from ecume.show.play.alone import alone, parts_of, refusal
-    from ecume.show.play.pages import Written, game_of
-    from ecume.show.serving import served
+    from ecume.show.play.alone import alone, parts_of, refusal, save_text, templates, together
+    from ecume.show.view.page import ALL
 
     if tank and scene is not None:
         raise BadInput("got SCENE and --tank, which has a built-in tank; expected one of them")
-    name = "small-tank" if tank else "cereal-bowl"
-    usual = [] if tank or scene else ["particles[0].count=12"]
-    given = scene or (folder() / f"{name}.toml").read_text(encoding="utf-8")
-    asked = load_scene(given, [*usual, *(overrides or [])])
     echo("starting; the first start compiles, which can take minutes ...")
-    if not refusal(asked):
-        with served(Written(alone(asked), parts_of(asked))) as address, offered(address, "play; Ctrl-C ends it"):
-            _wait()
+    changes = overrides or []
+    if tank or scene is not None:
+        shown = [load_scene(scene or (folder() / "small-tank.toml").read_text(encoding="utf-8"), changes)]
+        parts = parts_of(shown[0])
+    else:
+        shown, parts = templates("particles[0].count=12", *changes), ALL
+    if save is None and refusal(shown[0]):
+        _run_game(shown[0])
         return
-    game = game_of(asked)
+    page = together(shown) if len(shown) > 1 else alone(shown[0])  # which refuses what pages cannot simulate
+    if save is None:
+        _offer_page(page, parts)
+        return
+    save_text(page, save, MOST_ALONE)
+    wrote(save, quiet=False)
+
+
+MOST_ALONE = 2.0
+"""MB of a page that simulates."""
+
+
+def _offer_page(page: str, parts: Parts) -> None:
+    """Serve a page that simulates by itself until Ctrl-C."""
+    from ecume.show.play.pages import Written
+    from ecume.show.serving import served
+
+    with served(Written(page, parts)) as address, offered(address, "play; Ctrl-C ends it"):
+        _wait()
+
+
+def _run_game(scene: Any) -> None:
+    """Serve a scene that this program simulates until Ctrl-C."""
+    from ecume.show.play.pages import game_of
+    from ecume.show.serving import served
+
+    game = game_of(scene)
     game.toy.moving.play(0.0)
     with served(game) as address, offered(address, "play"):
         try:

@@ -19,7 +19,7 @@ from tests.show.view.test_page import HOSTILE
 
 from ecume.scenes.load import load_scene
 from ecume.scenes.templates import folder
-from ecume.show.play.alone import save_alone
+from ecume.show.play.alone import save_alone, save_text, templates, together
 from ecume.show.play.pages import Written, game_of
 from ecume.show.serving import served
 from ecume.show.style import DARK_CANVAS, contrast
@@ -541,6 +541,52 @@ def test_axe_finds_no_violation_in_the_page_of_four_spheres(browser, four_sphere
         assert [(one["id"], one["nodes"][0]["html"]) for one in found["violations"]] == []
         assert len(found["passes"]) > 15
         shown.close()
+
+
+@pytest.fixture(scope="module")
+def several(tmp_path_factory):
+    """A page of a bowl, a tank and a T1 process, opened from the disk."""
+    written = tmp_path_factory.mktemp("several") / "all.html"
+    assert save_text(together(templates("particles[0].count=12")), written, 1.0) < 1e6
+    return written.as_uri()
+
+
+@pytest.mark.long
+def test_a_page_of_several_shows_each_and_its_links_open_the_same_one(browser, tab, several):
+    tab.goto(several)
+    inner = tab.frame_locator("#frame")
+    inner.locator("#clock:has-text('12 floats')").wait_for(timeout=30_000)
+    tab.get_by_role("radio", name="bowl", exact=True).press("ArrowRight")
+    inner.locator("#clock:has-text('1064 particles')").wait_for(timeout=30_000)
+    inner.get_by_role("button", name="open the gate").press("Enter")
+    inner.get_by_role("button", name="link").press("Enter")
+    inner.locator("#said:has-text('holds the tank as it is now')").wait_for()
+    link = tab.evaluate("location.href")
+    assert link.startswith(f"{several}#sph.")
+    other = browser.new_page()
+    other.goto(link)
+    other.frame_locator("#frame").locator("#close").wait_for(timeout=30_000)
+    for name, what in (("floating", "bowl"), ("sph", "tank"), ("soft", "cluster")):
+        other.evaluate("name => { location.hash = `${name}.<img src=x onerror=alert(1)>` }", name)
+        said = f"The link does not describe a {what} of this page."
+        other.frame_locator("#frame").locator(f"#said:has-text('{said}')").wait_for(timeout=30_000)
+    other.close()
+    assert tab.complaints == []
+    assert [request for request in tab.requests if not request.startswith("blob:")] == [several]
+
+
+@pytest.mark.skipif(not AXE.exists(), reason="axe-core is not installed: `npm ci` in web/")
+@pytest.mark.parametrize(("scheme", "width", "height"), [("light", 1280, 800), ("dark", 390, 844)])
+def test_axe_finds_no_violation_in_a_page_of_several(browser, several, scheme, width, height):
+    shown = browser.new_page(viewport={"width": width, "height": height}, color_scheme=scheme)
+    on_site(shown, several)
+    shown.frame_locator("#frame").locator("body[data-drawn]").wait_for(timeout=30_000)
+    for frame in shown.frames:
+        frame.evaluate(AXE.read_text(encoding="utf-8"))
+    found = shown.evaluate("axe.run()")
+    assert [(one["id"], one["nodes"][0]["html"]) for one in found["violations"]] == []
+    assert len(found["passes"]) > 20
+    shown.close()
 
 
 @contextlib.contextmanager

@@ -5,7 +5,7 @@ from __future__ import annotations
 import base64
 import gzip
 import json
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from importlib import resources
 from pathlib import Path
 from typing import Any
@@ -21,7 +21,7 @@ from ecume.show.play.four_spheres import offered_clusters, page_header, pulled_i
 from ecume.show.play.memory import bowl_arguments, types_of
 from ecume.show.play.offered import ROOM, Chapter, chapter
 from ecume.show.play.tank_alone import offered_tank, tank_header, tank_refusal
-from ecume.show.view.page import ALONE, BASIN, FOUR_SPHERES, Parts, bundled, data_of, filled, hexadecimal, json_of
+from ecume.show.view.page import ALL, ALONE, BASIN, FOUR_SPHERES, Parts, bundled, data_of, filled, hexadecimal, json_of
 from ecume.trajectories.records import write_whole
 
 SPEEDS = (0.0, 0.25, 1.0, 4.0)
@@ -102,7 +102,11 @@ def _of_cluster(scene: SoftScene) -> tuple[dict[str, Any], list[str]]:
 
 def _of_tank(scene: SphScene) -> tuple[dict[str, Any], list[str]]:
     basins = json.dumps(offered_tank(scene), separators=(",", ":"), allow_nan=False)
-    return tank_header(scene), _data("cases", basins, "tank.wasm", "pool.js")
+    return tank_header(scene), _data("cases", basins, f"{MODULES[scene.method.precision]}.wasm", "pool.js")
+
+
+MODULES = {"double": "tank", "single": "tank-single"}
+"""The module of a tank, by the precision of its sums."""
 
 
 def _data(name: str, numbers: str, wasm: str, worker: str) -> list[str]:
@@ -137,6 +141,28 @@ PAGES: dict[str, Callable[[Any], tuple[dict[str, Any], list[str]]]] = {
 }
 
 
+LABELS = {"floating": "bowl", "sph": "tank", "soft": "T1 process"}
+"""The name of a simulation on a page of several, by its model."""
+TOGETHER = ("cereal-bowl", "small-tank", "t1")
+"""Templates that a page has together."""
+
+
+def together(scenes: Sequence[Any]) -> str:
+    """The page of several scenes, one of each model, without a server. Raises BadInput for scenes for which this is
+    impossible.
+    """
+    shown = [{"name": one.model, "label": LABELS[one.model]} for one in scenes]
+    pages = [data_of(f"page-{k}", "text/plain", _packed(alone(one).encode())) for k, one in enumerate(scenes)]
+    data = [data_of("toy", "application/json", json_of(shown)), *pages]
+    return filled(ALL, "ecume: bowl, tank and T1 process", "\n".join(data), live=False)
+
+
+def templates(*changes: str) -> list[Any]:
+    """The scenes of `TOGETHER`; the changes are those of the first one."""
+    texts = [(folder() / f"{name}.toml").read_text(encoding="utf-8") for name in TOGETHER]
+    return [load_scene(text, list(changes) if not k else []) for k, text in enumerate(texts)]
+
+
 def _packed(content: bytes) -> str:
     return base64.b64encode(gzip.compress(content, 9, mtime=0)).decode()
 
@@ -145,7 +171,12 @@ def save_alone(scene: Any, target: Path, max_size: float) -> int:
     """Write the page of a scene to a file. Returns its size in bytes. Raises BadInput if the size exceeds the largest
     one (MB).
     """
-    content = alone(scene).encode()
+    return save_text(alone(scene), target, max_size)
+
+
+def save_text(page: str, target: Path, max_size: float) -> int:
+    """Write a page to a file: see `save_alone`."""
+    content = page.encode()
     if len(content) > 1e6 * max_size:
         raise BadInput(f"the page has {len(content) / 1e6:.2f} MB; expected --max-size of that or more")
     write_whole(target, content)

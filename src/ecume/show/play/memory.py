@@ -35,8 +35,8 @@ def leaves(value: Any, name: str) -> Iterator[Named]:
 
 
 def kind_of(value: Any) -> str:
-    """The type of a number or an array: `float64`, `int64` or `bool`; for an array with its number of axes. Records of
-    numbers of eight bytes are `record`.
+    """The type of a number or an array: `float64`, `int64` or `bool`; for an array with its number of axes. Records
+    are `record`.
 
     >>> kind_of(np.zeros((2, 3))), kind_of(1), kind_of(True)
     ('float64 2', 'int64', 'bool')
@@ -66,16 +66,14 @@ def slots(arguments: dict[str, Any]) -> list[list[Any]]:
 
 
 def _shape_of(array: Any) -> list[int]:
-    """The sizes of an array; a record counts as an axis."""
-    return [*array.shape, len(array.dtype.names)] if array.dtype.names else list(array.shape)
+    """The sizes of an array; a record counts as an axis of words of four bytes."""
+    return [*array.shape, array.dtype.itemsize // 4] if array.dtype.names else list(array.shape)
 
 
 def _numbers_in(array: Any) -> list[Any] | None:
-    """The numbers of an array; the numbers of records as integers with the same bits, written as text, which JSON
-    preserves.
-    """
+    """The numbers of an array; of records, whole numbers of four bytes with the same bits."""
     if array.dtype.names:
-        return [str(bits) for bits in array.view(np.int64).ravel().tolist()]
+        return list(array.view(np.uint32).ravel().tolist())
     return array.ravel().tolist() if array.any() else None
 
 

@@ -18,8 +18,9 @@ from ecume.errors import BadInput
 from ecume.models import MODELS
 from ecume.models.sph.boundaries.walls import speed_of
 from ecume.models.sph.fields import FIELD, FIELDS, RATES, number
-from ecume.models.sph.parameters import Boundary, Parameters
+from ecume.models.sph.parameters import Parameters
 from ecume.models.sph.rates.kernel_loops import WendlandC2, kernel_type
+from ecume.models.sph.rates.right_hand_side import table_of
 from ecume.models.sph.rates.sums import CONTINUITY, PRESSURE
 from ecume.models.sph.setup.shapes import CLEARANCE
 from ecume.models.sph.state import MOST_SKIN, State, likely_neighbors
@@ -78,28 +79,30 @@ def basin_of(parameters: Parameters) -> Basin:
             rise=np.array(rise),
             spring=parameters.density_diffusion.rise(parameters.material.density, parameters.material.sound_speed),
             bounds=parameters.bounds,
+            origin=parameters.origin,
             rows=np.array([CONTINUITY[parameters.density_diffusion.row].rows, PRESSURE.rows]),
             walls=Walls(
                 boundary.sides,
-                boundary.table,
+                table_of(parameters),
                 boundary.guard,
                 boundary.dummies.position,
                 boundary.dummies.volume,
-                path_of(boundary),
+                path_of(parameters),
             ),
         )
     )
     return found
 
 
-def path_of(boundary: Boundary) -> Path:
+def path_of(parameters: Parameters) -> Path:
     """The path of the left wall, which is at rest; empty if it is not a mirror."""
+    boundary = parameters.boundary
     rows, surfaces = np.flatnonzero(boundary.image_owner == 0), np.flatnonzero(boundary.guard.owner == 0)
     row, surface = (int(rows[0]), int(surfaces[0])) if len(rows) and len(surfaces) else (-1, 0)
     rest = np.zeros(3)
     if row >= 0:
         size = boundary.guard.sheet.number[surface, SIZE]
-        rest[:] = boundary.sides.point[row, 0], boundary.table[row, 0], size
+        rest[:] = boundary.sides.point[row, 0], table_of(parameters)[row, 0], size
     return Path(row, surface, rest, np.zeros((2, MOST_LINES)), np.ones(1, np.int64), np.zeros(1))
 
 
@@ -124,9 +127,9 @@ def room_for(parameters: Parameters, count: int) -> Room:
     columns = real + IMAGES * count + MORE_IMAGES
     neighbors = LISTS * int(likely_neighbors(2, (1.0 + MOST_SKIN) * parameters.support / parameters.spacing))
     return Room(
-        table=np.zeros((FIELDS, columns)),
-        rates=np.zeros((RATES, count)),
-        records=np.zeros((columns, 8)),
+        fields=np.zeros(FIELDS * columns, parameters.precision),
+        rates=np.zeros((RATES, count), parameters.precision),
+        records=np.zeros((columns, 8), parameters.precision),
         counts=np.zeros(real, np.int32),
         start=np.zeros(real + 1, np.int64),
         neighbor=np.zeros(neighbors * real, np.int32),
@@ -191,7 +194,6 @@ def not_in_pages(parameters: Parameters) -> dict[str, bool]:
         "a density diffusion with gradients": parameters.density_diffusion.gradients,
         "shifting": parameters.transports,
         "another kernel": not isinstance(kernel_type(parameters.constants), WendlandC2),
-        "single precision": parameters.precision is not np.float64,
     }
 
 
@@ -231,7 +233,6 @@ def offered_tank(scene: SphScene) -> dict[str, Any]:
         "ladle": LADLE,
         "most": max(MOST, count),
         "steepest": STEEPEST,
-        "fields": FIELDS,
         "pressure": FIELD.pressure,
     }
 

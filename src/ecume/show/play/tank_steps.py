@@ -33,7 +33,7 @@ from ecume.laws.time_step_limits import acoustic_limit, force_limit
 from ecume.laws.water_waves import wave_frequency
 from ecume.models.model import CROWDED, DIVERGED, DONE, EXCHANGE
 from ecume.models.sph.boundaries.walls import _move_inside, brake, flag_outside, repel
-from ecume.models.sph.fields import FIELD, Constants, Tait
+from ecume.models.sph.fields import FIELD, FIELDS, Constants, Floats, Tait
 from ecume.models.sph.integration.particle_loops import advance_density, drift, farthest, kick, largest
 from ecume.models.sph.integration.time_stepping import MOST_DIVISIONS
 from ecume.models.sph.parameters import Guard
@@ -75,7 +75,7 @@ class Walls(NamedTuple):
 
     sides: Sides
     table: Array
-    """the same as `fill_fields.fill_images` reads it"""
+    """the same as `fill_fields.fill_images` reads it, from the origin of tables on"""
     guard: Guard
     position: Array
     """(2, D) of dummies"""
@@ -109,6 +109,8 @@ class Basin(NamedTuple):
     spring: float
     """its change over that of gravity, `DensityDiffusion.rise`"""
     bounds: Array
+    origin: Array
+    """of the positions in tables"""
     rows: Integers
     """(2, 8) `NeighborSum.rows`"""
     walls: Walls
@@ -140,10 +142,10 @@ class Drops(NamedTuple):
 class Room(NamedTuple):
     """Scratch: a `Workspace` with room for additional images and neighbors."""
 
-    table: Array
-    """(fields, liquid and dummies and room for images)"""
-    rates: Array
-    records: Array
+    fields: Floats
+    """room for the table of fields, which has a column for each particle, dummy and image: see `table_of`"""
+    rates: Floats
+    records: Floats
     counts: NDArray[np.int32]
     start: Integers
     neighbor: Slots
@@ -359,7 +361,10 @@ def renew(basin: Basin, drops: Drops, room: Room) -> bool:
     reach = basin.support + float(drops.skin[0])
     real = np.concatenate((drops.reference, basin.walls.position), axis=1)
     every = with_images(real, basin.walls.sides, reach, room)
-    return every.shape[1] <= room.table.shape[1] and find_neighbors(every, drops.position.shape[1], reach, room)
+    if FIELDS * every.shape[1] > len(room.fields):
+        return False
+    put_constant_fields(basin, drops, room)
+    return find_neighbors(every, drops.position.shape[1], reach, room)
 
 
 def sort(drops: Drops, order: Slots) -> None:
@@ -434,26 +439,37 @@ def find_neighbors(position: Array, liquid: int, reach: float, room: Room) -> bo
     return True
 
 
+def table_of(room: Room) -> Floats:
+    """The table of fields, (fields, liquid and dummies and images). It has no column without a particle, since loops
+    of the model fill and read all columns.
+    """
+    columns = len(room.counts) + int(room.first[-1])
+    found: Floats = room.fields[: FIELDS * columns].reshape((FIELDS, columns))
+    return found
+
+
 def evaluate_density_rate(basin: Basin, drops: Drops, room: Room) -> None:
     """Evaluate the rate of density at the present positions."""
-    fill(basin, drops, room)
+    table = table_of(room)
+    fill(basin, drops, room, table)
     lists = Lists(room.counts, room.start, room.neighbor)
-    fill_records(room.table, room.records, basin.rows[OF_CONTINUITY], True)
+    fill_records(table, room.records, basin.rows[OF_CONTINUITY], True)
     sum_continuity(
-        room.rates, room.table, room.records, room.table[0], lists, basin.constants, basin.kernel, basin.like, ()
+        room.rates, table, room.records, table[0], lists, basin.constants, basin.kernel, basin.like, ()
     )  # fmt: skip
     store_density_rate(drops.density_rate, room.rates, drops.density, basin.by_mass)
 
 
 def evaluate_accelerations(basin: Basin, drops: Drops, room: Room) -> None:
     """Evaluate the accelerations at the present positions: by pressure, gravity and walls."""
-    fill(basin, drops, room)
+    table = table_of(room)
+    fill(basin, drops, room, table)
     lists = Lists(room.counts, room.start, room.neighbor)
-    fill_records(room.table, room.records, basin.rows[OF_PRESSURE], True)
+    fill_records(table, room.records, basin.rows[OF_PRESSURE], True)
     sum_pressure(
-        room.rates, room.table, room.records, room.table[0], lists, basin.constants, basin.kernel, basin.like, ()
+        room.rates, table, room.records, table[0], lists, basin.constants, basin.kernel, basin.like, ()
     )  # fmt: skip
-    density = room.table[FIELD.density, : len(drops.density)]
+    density = table[FIELD.density, : len(drops.density)]
     store_acceleration(drops.acceleration, room.rates, density, basin.gravity, basin.per_volume)
     guard, sound = basin.walls.guard, basin.equation_of_state.sound_speed
     kind, number = guard.sheet.kind, guard.sheet.number
@@ -461,12 +477,12 @@ def evaluate_accelerations(basin: Basin, drops: Drops, room: Room) -> None:
     brake(drops.position, drops.velocity, kind, number, guard.support, guard.weights, sound, drops.acceleration)
 
 
-def fill(basin: Basin, drops: Drops, room: Room) -> None:
+def fill(basin: Basin, drops: Drops, room: Room, table: Floats) -> None:
     """Fill the fields of the liquid, of the dummies, and of the images of both."""
-    table, liquid, count, real = room.table, basin.equation_of_state, len(drops.density), len(room.counts)
+    liquid, count, real = basin.equation_of_state, len(drops.density), len(room.counts)
     fill_liquid(
         table, drops.position, drops.velocity, drops.density, drops.density_rate, drops.pressure, drops.mass,
-        np.zeros(len(drops.position)), basin.by_mass, basin.bulk_viscosity, liquid,
+        basin.origin, basin.by_mass, basin.bulk_viscosity, liquid,
     )  # fmt: skip
     source = room.source[: room.first[-1]]
     fill_images(source, table, real, room.first, basin.walls.table, basin.gravity, liquid)
@@ -509,13 +525,16 @@ def measure_gap(basin: Basin, drops: Drops, room: Room) -> None:
 
 
 def put_constant_fields(basin: Basin, drops: Drops, room: Room) -> None:
-    """Fill the fields of liquid and dummies that do not change."""
-    walls, count = basin.walls, len(drops.density)
-    for i in range(room.table.shape[1]):  # to avoid a division by zero in entries without an image
-        room.table[FIELD.density, i] = 1.0
+    """Fill the fields of liquid and dummies that do not change, in a table for the present number of images."""
+    walls, count, table = basin.walls, len(drops.density), table_of(room)
+    for row in range(len(table)):
+        for i in range(table.shape[1]):
+            table[row, i] = 0.0
+    for i in range(table.shape[1]):  # to avoid a division by zero in dummies that have not been filled
+        table[FIELD.density, i] = 1.0
     for i in range(count):
-        room.table[FIELD.liquid, i] = 1.0
+        table[FIELD.liquid, i] = 1.0
     for k in range(len(walls.volume)):
         for axis in range(len(walls.position)):
-            room.table[FIELD.position + axis, count + k] = walls.position[axis, k]
-        room.table[FIELD.volume, count + k] = walls.volume[k]
+            table[FIELD.position + axis, count + k] = walls.position[axis, k] - basin.origin[axis]
+        table[FIELD.volume, count + k] = walls.volume[k]

@@ -47,6 +47,8 @@ class Parts(NamedTuple):
     script: str
     simulates: bool = False
     """whether it runs WebAssembly, in a worker"""
+    framed: tuple[Parts, ...] = ()
+    """the files of the pages in its frames"""
 
 
 VIEW = Parts("page.html", "view.css", "view.js")
@@ -55,6 +57,7 @@ TANK = Parts("tank.html", "play.css", "tank.js")
 ALONE = PLAY._replace(simulates=True)
 BASIN = TANK._replace(simulates=True)
 FOUR_SPHERES = Parts("t1.html", "play.css", "t1.js", simulates=True)
+ALL = Parts("all.html", "all.css", "all.js", simulates=True, framed=(ALONE, BASIN, FOUR_SPHERES))
 
 
 def filled(parts: Parts, title: str, data: str, *, live: bool) -> str:
@@ -76,7 +79,9 @@ def filled(parts: Parts, title: str, data: str, *, live: bool) -> str:
 
 def policy_of(parts: Parts, *, live: bool) -> str:
     """The content security policy: the page runs only its script and style, and sends requests only to its server."""
-    script, style = (_hash(bundled(name)) for name in (parts.script, parts.style))
+    of_pages = (parts, *parts.framed)  # the policy of a page applies in its frames, too
+    script = " ".join(dict.fromkeys(_hash(bundled(one.script)) for one in of_pages))
+    style = " ".join(dict.fromkeys(_hash(bundled(one.style)) for one in of_pages))
     connect = "'self'" if live else "'none'"
     wasm, worker = (" 'wasm-unsafe-eval'", "worker-src blob:; ") if parts.simulates else ("", "")
     return (
