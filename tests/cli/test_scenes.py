@@ -151,6 +151,22 @@ def test_small_scenes_are_checked_without_the_compiler_in_a_process_of_their_own
     assert os.environ["NUMBA_DISABLE_JIT"] == "1"
 
 
+CURVED = "center = [1, 1, 1]\nradius = 0.5"
+
+
+@pytest.mark.parametrize(
+    ("solid", "small"),
+    [("[[obstacles]]\nlow = [0, 0, 0]\nhigh = [1, 1, 1]", True), (f"[[obstacles]]\n{CURVED}", False),
+     (f"[[bodies]]\ndensity = 500\n{CURVED}", False)],
+    ids=["block", "ball", "floating ball"],
+)  # fmt: skip
+def test_liquid_around_curved_solids_in_3d_is_packed_by_compiled_loops(solid: str, small: bool) -> None:
+    """In plain Python the check of a ball of an STL file took minutes."""
+    text = 'model = "sph"\nduration = 1\nframe_every = 1\nspacing = 0.1\n[tank]\nlow = [0, 0, 0]\nhigh = [2, 2, 2]\n'
+    fluid = "[[fluid]]\nlow = [0, 0, 0]\nhigh = [2, 1, 2]\n"
+    assert is_small(load_scene(text + fluid + solid)) is small
+
+
 @pytest.mark.long
 def test_a_check_reports_the_same_in_plain_python(tmp_path: Path) -> None:
     cli.invoke(app, ["new", "cereal-bowl"])

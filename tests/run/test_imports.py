@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from ecume.analysis.series import PathWarning, tracks
+from ecume.cli.scenes import velocities_without_a_unit
 from ecume.errors import BadInput, RunExists, SceneError
 from ecume.run import resume, verify
 from ecume.run.imports import Alike, NoUnit, import_run
@@ -299,6 +300,9 @@ def test_velocities_without_a_unit_are_reported(bowl, tmp_path):
     (tmp_path / "bowl.toml").write_text(path.read_text().replace('time_unit = "1 ms"\n', ""))
     with pytest.warns(NoUnit, match=r"bowl.lammpstrj: its velocities are ignored; start_from.time_unit"):
         import_run(tmp_path / "bowl.toml", tmp_path / "run")
+    remark = "its velocities are ignored; start_from.time_unit states their unit"
+    assert velocities_without_a_unit(tmp_path / "bowl.toml", []) == [("start_from.file", "bowl.lammpstrj", remark)]
+    assert velocities_without_a_unit(tmp_path / "bowl.toml", ["start_from.time_unit=1 ms"]) == []
 
 
 def test_times_that_a_file_rounds_are_equal_intervals():

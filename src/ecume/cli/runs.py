@@ -27,6 +27,7 @@ from ecume.cli.scenes import (
     placed,
     questioned,
     questions,
+    velocities_without_a_unit,
 )
 from ecume.cli.thermo import Columns, Thermo, ThermoEvery, thermo_table
 from ecume.errors import StorageError
@@ -197,6 +198,8 @@ def run(
         if not quiet:
             for key, text in questions(scene, changes):
                 warned(f"{key}: {text}")
+            for key, name, text in velocities_without_a_unit(scene, changes):
+                warned(f"{key}: {name}: {text}")
         # With changes from the command line, the simulated scene is the resolved one and not the file.
         source = None if changes else scene.read_bytes()
         with placed(scene, changes), watched(directory, enabled=view), shown(quiet=quiet) as reporter:

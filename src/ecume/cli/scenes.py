@@ -99,11 +99,15 @@ def without_compiler_for(directory: Path) -> None:
 
 
 def is_small(scene: Scene) -> bool:
-    """Whether only few particles are placed one by one; NumPy computes lattices of liquid."""
+    """Whether only few particles are placed one by one, and none beside curved solids in 3D; NumPy computes lattices of
+    liquid.
+    """
     from ecume.scenes.sph import SphScene
 
     if isinstance(scene, SphScene):
-        return not any(region.particles or region.triangles or region.vertices for region in scene.fluid)
+        curved = len(scene.tank.low) > 2 and any(solid.low is None for solid in (*scene.obstacles, *scene.bodies))
+        placed = (region.particles or region.triangles or region.vertices for region in scene.fluid)
+        return not curved and not any(placed)
     counts = [getattr(species, "number", None) or species.count or 1 for species in scene.particles]
     return sum(counts) + len(getattr(scene, "rows", ())) <= FEW
 
@@ -227,7 +231,9 @@ def questions(file: Path, changes: Sequence[str]) -> list[tuple[str, str]]:
 
 
 def odd_values(file: Path, changes: Sequence[str], scene: Scene) -> list[tuple[str, str, str]]:
-    """A row for each implausible value of a scene file, and for each drawing without a unit."""
+    """A row for each implausible value of a scene file, for each drawing without a unit, and for velocities without
+    one.
+    """
     from ecume.scenes.load import parsed, source_of
     from ecume.scenes.overrides import overridden
     from ecume.scenes.plausible import remarks
@@ -235,7 +241,19 @@ def odd_values(file: Path, changes: Sequence[str], scene: Scene) -> list[tuple[s
 
     raw = parsed(source_of(file))
     overridden(raw, changes)
-    return [*remarks(raw), *drawn_sizes(raw, scene)]
+    return [*remarks(raw), *drawn_sizes(raw, scene), *velocities_without_a_unit(file, changes)]
+
+
+def velocities_without_a_unit(file: Path, changes: Sequence[str]) -> list[tuple[str, str, str]]:
+    """A row if a valid scene starts from a file whose velocities are ignored."""
+    from ecume.scenes.load import parsed, source_of
+    from ecume.scenes.overrides import overridden
+    from ecume.scenes.starts import ignored_velocities
+
+    source = source_of(file)
+    raw = parsed(source)
+    overridden(raw, changes)
+    return ignored_velocities(raw, source.folder)
 
 
 def examine(scene: Scene) -> None:

@@ -230,6 +230,16 @@ ELSEWHERE = {
 """Keys that users expect in a table, and where they are instead."""
 
 
+DRAWN = ("outline_from", "outline_unit")
+IN_FILES = {
+    "ecume.scenes.sph.scene.RegionSpec": ("particles_from", *DRAWN),
+    "ecume.scenes.sph.solids.ObstacleSpec": DRAWN,
+    "ecume.scenes.sph.solids.BodySpec": DRAWN,
+    "ecume.scenes.sph.tank.TankSpec": DRAWN,
+}
+"""Further keys of tables in a file; the contents of the named files replace them in the scene."""
+
+
 def suggestion(word: str, choices: Iterable[str]) -> str:
     """The text `did you mean radius?`, or all choices if none is similar."""
     known = list(choices)
@@ -375,7 +385,8 @@ def _keys(kind: type, path: Path, also: Sequence[str]) -> list[str]:
     """The valid keys in the piece at a path."""
     piece = _kind_at(kind, path)
     known = [field.name for field in dataclasses.fields(piece)] if dataclasses.is_dataclass(piece) else []
-    return known + list(also) * (not path)
+    in_files = IN_FILES.get(f"{piece.__module__}.{piece.__name__}", ()) if known else ()
+    return [*known, *in_files, *(also if not path else ())]
 
 
 def _paths_to(kind: type, word: str) -> list[str]:

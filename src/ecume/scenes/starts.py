@@ -217,6 +217,19 @@ class AllFrames(NamedTuple):
         return not self.spec.time_unit and self.series.read(0).velocity is not None
 
 
+def ignored_velocities(raw: Mapping[str, Any], folder: Folder) -> list[tuple[str, str, str]]:
+    """The key, the file and the remark if a scene starts from a file with velocities and states no unit of time. Soft
+    spheres have no inertia, and their velocities follow from the positions.
+    """
+    value = raw.get(RUN)
+    if not isinstance(value, Mapping) or value.get("time_unit") is not None or raw.get("model") == "soft":
+        return []
+    velocity = _read(TypeAdapter(StartSpec).validate_python(dict(value)), folder).velocity
+    if velocity is None or not velocity.any():
+        return []
+    return [(f"{RUN}.file", str(value["file"]), f"its velocities are ignored; {RUN}.time_unit states their unit")]
+
+
 def all_frames(value: object, folder: Folder) -> AllFrames:
     """The frames of the file in `start_from`. Raises BadInput, and ValueError from `read`."""
     if not isinstance(value, Mapping):
