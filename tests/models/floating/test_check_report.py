@@ -104,6 +104,14 @@ def test_discs_say_what_they_carry_and_that_superposition_errs():
     assert "float-1: tilt" not in report({"particles": [righted], "interaction": {"method": "multipole"}})
 
 
+def test_a_step_is_too_long_where_floats_that_attract_pass_through_one_another():
+    pair, passing = [row(0.0, 1e-3, 1300.0), row(0.01, 1e-3, 1300.0)], {"contacts": {"law": "none"}}
+    assert report({"rows": pair})["time step"][1].startswith("good")
+    assert report({"rows": pair} | passing)["time step"][1].startswith("too long where floats overlap")
+    for harmless in ({"rows": pair[:1]}, {"rows": pair, "interaction": {"law": "none"}}):
+        assert report(harmless | passing)["time step"][1].startswith("good")
+
+
 def test_shapes_say_where_their_contact_line_is():
     needle = {"kind": "needle", "width": 0.6e-3, "angle": 0.0}
     rows = report(

@@ -1,6 +1,7 @@
 """Floats with inertia and thermal noise: equipartition, diffusion, elastic collisions, flows and work."""
 
 import math
+import warnings
 
 import numpy as np
 import pytest
@@ -91,6 +92,16 @@ def test_floats_diffuse_as_fast_as_without_inertia_to_three_thousandths():
     assert per_step == pytest.approx(THERMAL / float(parameters.floats.mass[0]) * tau, rel=4e-3, abs=0.0)
     loose = FLOATING.parameters(warm(beads(1), duration=1e-3, frame_every=1e-3))
     assert loose.time_step <= KEPT * tau * (1.0 + 1e-12)
+
+
+@pytest.mark.parametrize(("ratio", "said"), [(0.2, ""), (0.5, "1.02"), (2.0, "1.31")])
+def test_check_states_how_much_too_fast_floats_diffuse(ratio, said):
+    tau = relaxation_of(FLOATING.parameters(warm(beads(1))))
+    scene = warm(beads(1), step=ratio * tau, duration=ratio * tau, frame_every=ratio * tau)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        (remark,) = [text for name, _, text in FLOATING.summary(scene) if name == "time step"]
+    assert (f"diffuse {said} times" in remark) if said else ("diffuse" not in remark)
 
 
 def test_its_papers_are_cited():

@@ -44,6 +44,15 @@ def test_a_random_scene_with_further_options_runs_to_its_end(seed):
     assert outcome(seed, 12) == "done"
 
 
+@PLAIN
+@pytest.mark.parametrize("seed", [994, 1021, 1155, 1676, 1900])
+def test_the_work_on_floats_is_that_of_the_forces_in_the_energy(seed):
+    """Of currents beside hydrodynamic interaction, from tables beside noise, and of waves much longer than floats; and
+    small discs in the meniscus of a wall, which ended at their first step.
+    """
+    assert outcome(seed, 20) == "done"
+
+
 @pytest.mark.long
 @PLAIN
 @pytest.mark.parametrize(("share", "reported"), [(1e-7, False), (1e-4, True)])

@@ -25,7 +25,12 @@ from ecume.models.floating.setup.initial_state import start
 from ecume.models.floating.setup.kinds import FloatKind, float_kinds, given_floats
 from ecume.models.floating.setup.scene_parameters import checked_parameters, memory_estimate
 from ecume.models.floating.time_integration.integrators import INTEGRATORS_BY_CONSTANTS
-from ecume.models.floating.time_integration.step_size import COARSE_OVER_GOOD, UNSTABLE_OVER_GOOD, good_step
+from ecume.models.floating.time_integration.step_size import (
+    COARSE_OVER_GOOD,
+    UNSTABLE_OVER_GOOD,
+    diffusion_remark,
+    good_step,
+)
 from ecume.models.liquids import float_reynolds, liquid_of
 from ecume.models.size_report import sizes_rows
 from ecume.models.step_counts import last_step
@@ -271,7 +276,7 @@ def _summary_of_steps(parameters: Parameters, scene: FloatingScene) -> list[Row]
     summing = PER_PAIR * pairs
     drifting, gathering = ((cost + summing) * steps for cost in seconds_per_step(len(parameters.floats.radius)))
     return [
-        ("time step", with_prefix(parameters.time_step, "s"), _step_remark(parameters.time_step, good)),
+        ("time step", with_prefix(parameters.time_step, "s"), _step_remark(parameters.time_step, good, parameters)),
         ("steps", str(steps), f"{parameters.steps_per_frame} per frame"),
         *cost.rows(),
         (
@@ -282,14 +287,27 @@ def _summary_of_steps(parameters: Parameters, scene: FloatingScene) -> list[Row]
     ]
 
 
-def _step_remark(time_step: float, good: float) -> str:
+def _pass_and_attract(parameters: Parameters) -> bool:
+    """Whether floats pass through one another whose attraction grows without bound."""
+    signs = np.sign(parameters.floats.charge)
+    several = max(np.count_nonzero(signs > 0.0), np.count_nonzero(signs < 0.0)) > 1
+    return parameters.passing and row_of(parameters).menisci and several
+
+
+def _step_remark(time_step: float, good: float, parameters: Parameters) -> str:
     """The remark on a time step; `good` is the longest step with good accuracy."""
+    if good < math.inf and time_step <= COARSE_OVER_GOOD * good and _pass_and_attract(parameters):
+        return (
+            "too long where floats overlap: contacts.law = 'none' lets them approach to any distance, and their "
+            "attraction grows without bound; good as long as they are apart"
+        )
     if good == math.inf:
         return "good; no force limits it"
     coarse, refused = with_prefix(COARSE_OVER_GOOD * good, "s", 3), with_prefix(UNSTABLE_OVER_GOOD * good, "s", 3)
     if time_step > COARSE_OVER_GOOD * good:
-        return f"coarse; {with_prefix(good, 's', 3)} is good, refused above {refused}"
-    return f"good; coarse above {coarse}, refused above {refused}"
+        too_fast = diffusion_remark(parameters, time_step)
+        return f"coarse; {too_fast}{with_prefix(good, 's', 3)} is good, refused above {refused}"
+    return f"good; {diffusion_remark(parameters, time_step)}coarse above {coarse}, refused above {refused}"
 
 
 def _summary_of_species(scene: FloatingScene) -> list[Row]:

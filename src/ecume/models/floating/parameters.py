@@ -323,7 +323,7 @@ class Workspace(NamedTuple):
     restitution: Array
     """(N,) the restitution of each float in a collision"""
     stages: Array
-    """(5, N, 2) of the Runge-Kutta scheme; see also `DRIVEN`"""
+    """(5, N, 2) of the Runge-Kutta scheme; see also `DRIVEN` and `PUSHED`"""
     travel: Array
     """(1,) m: the longest possible displacement in this step"""
     ready: Integers
@@ -369,6 +369,8 @@ def make_state(position: Array, velocity: Array) -> State:
 
 DRIVEN = 1
 """The index in `Workspace.stages` of the midstep velocities without noise, of Brownian floats."""
+PUSHED = 2
+"""The index in `Workspace.stages` of the forces at the beginning of a step, of floats with hydrodynamic interaction."""
 
 FIRST_GUESS = 64
 """Number of neighbors per float for which a first workspace has room."""

@@ -50,6 +50,7 @@ from ecume.models.floating.forces.flow_and_noise import current_at
 from ecume.models.floating.options import Built
 from ecume.models.floating.parameters import (
     DRIVEN,
+    PUSHED,
     SWEEPS,
     UNCONVERGED,
     WORK,
@@ -58,6 +59,7 @@ from ecume.models.floating.parameters import (
     Scratch,
     State,
     Workspace,
+    copy_rows,
     memory_of,
 )
 from ecume.units import Array
@@ -225,12 +227,39 @@ def store_velocities(motion: Array, state: State, workspace: Workspace) -> None:
 def add_coupled_work(
     part: CoupledKicks, scratch: CoupledScratch, parameters: Parameters, state: State, workspace: Workspace
 ) -> None:
-    """Add the work of the current in one step. With thermal noise, the heat already contains this work."""
+    """Add the work of the current in one step. With thermal noise, the heat contains this work."""
+    copy_rows(workspace.stages[PUSHED], workspace.force)
     if not parameters.drift.thermal > 0.0 and len(state.tally) > WORK:
         power = power_on_floats(scratch.load, scratch.current)
         if parameters.drift.flows:
             power += power_at_beginning(parameters, state, scratch.current, workspace.force)
         state.tally[WORK] += parameters.time_step * power
+
+
+@compiled
+def add_coupled_heat(
+    part: CoupledKicks,
+    scratch: CoupledScratch,
+    parameters: Parameters,
+    state: State,
+    workspace: Workspace,
+    ahead: float,
+) -> None:
+    """Add the heat of half a step with thermal noise, by the forces at its beginning or end; without it, correct the
+    work of the current by half of the change of the forces, which is 0 at the beginning.
+    """
+    if len(state.tally) <= WORK:
+        return
+    velocity, force, power = workspace.midstep_velocity, workspace.force, 0.0
+    if parameters.drift.thermal > 0.0:
+        for i in range(len(force)):
+            power += force[i, 0] * velocity[i, 0] + force[i, 1] * velocity[i, 1]
+    else:
+        first = workspace.stages[PUSHED]
+        for i in range(len(force)):
+            for axis in range(2):
+                power += (force[i, axis] - first[i, axis]) * scratch.current[i, axis]
+    state.tally[WORK] -= 0.5 * parameters.time_step * power
 
 
 @compiled

@@ -41,8 +41,10 @@ MOST_WAVELENGTHS = 400.0
 """Length of the table, in wavelengths, at most."""
 STEEP = 0.3
 """Wavenumber times amplitude above which waves are not small."""
-CLOSEST = 1.0 / 16.0
-"""The distance of two sources, in wavelengths, down to which the time step resolves their force."""
+CLOSEST, SHALLOW = 1.0 / 16.0, 0.25
+"""The distance of two sources at the rims of their floats, in wavelengths or radii, down to which the time step
+resolves their force; that of other sources is at least their gap at contact.
+"""
 
 
 class Waves(NamedTuple):
@@ -256,8 +258,9 @@ def waves_of(parameters: Parameters, scene: FloatingScene) -> Built:
         not (scene.rubs or scene.shaped), not scene.shaped,
     )  # fmt: skip
     arm = float(np.hypot(*place.T).max())
-    gap = 2.0 * float(radius[owner].min()) - 2.0 * arm
-    return Built(part, _quickest(parameters, part, strongest, arm, max(gap, CLOSEST * found.wavelength)))
+    smallest = float(radius[owner].min())
+    gap = max(2.0 * (smallest - arm), min(CLOSEST * found.wavelength, SHALLOW * smallest))
+    return Built(part, _quickest(parameters, part, strongest, arm, gap))
 
 
 def _sources(parameters: Parameters, scene: FloatingScene) -> tuple[Integers, Array, Array]:
@@ -326,9 +329,9 @@ def _slopes(
 def _quickest(parameters: Parameters, part: Waves, strongest: float, arm: float, gap: float) -> float:
     """The shortest time scale of floats in the waves of their neighbors, for distances of sources from `gap` on."""
     floats = parameters.floats
-    nodes = part.spacing * np.arange(1, part.table.shape[1])
-    slope = np.hypot(*part.table)[1:] / nodes
-    curvature = max(2.0 * math.pi / part.wavelength, 1.0 / gap) * float(np.max(slope[nodes >= gap], initial=0.0))
+    distance = np.maximum(part.spacing * np.arange(part.table.shape[1]), gap)
+    slope = float(np.max(np.hypot(*part.table) / distance))
+    curvature = max(2.0 * math.pi / part.wavelength, 1.0 / gap) * slope
     spring = RAFT_NEIGHBORS * 0.5 * strongest**2 * curvature
     turned = np.unique(part.owner)
     if not parameters.scheme.inertia:

@@ -520,7 +520,7 @@ def noise_speed(thermal: float, gain: float, time: float) -> float:
 
 @compiled
 def add_rigid_heat(
-    part: RigidKicks, scratch: ShapedScratch, parameters: Parameters, state: State, workspace: Workspace
+    part: RigidKicks, scratch: ShapedScratch, parameters: Parameters, state: State, workspace: Workspace, ahead: float
 ) -> None:
     """Add the heat of half a step, by the forces and torques at its beginning or end."""
     velocity, force, power = workspace.midstep_velocity, workspace.force, 0.0

@@ -129,13 +129,13 @@ def step(parts: Parts, scratches: Scratch, parameters: Parameters, state: State,
     contacts_before_drift(parts.contacts, scratches.contacts, parameters, state, workspace)
     add_work(parts.integrator, scratches.integrator, parameters, state, workspace)
     add_work_of_forces(parts.interactions, scratches.interactions, parameters, state, workspace)
-    add_heat(parts.integrator, scratches.integrator, parameters, state, workspace)
+    add_heat(parts.integrator, scratches.integrator, parameters, state, workspace, 0.0)
     move(parts.integrator, scratches.integrator, parameters, state, workspace)
     contacts_after_drift(parts.contacts, scratches.contacts, parameters, state, workspace)
     set_clock(scratches, (state.step[0] + 1) * parameters.time_step)
     if parameters.scheme.forces_at_end:
         evaluate(parts, scratches, parameters, state.position, workspace.lists, workspace.force)
-    add_heat(parts.integrator, scratches.integrator, parameters, state, workspace)
+    add_heat(parts.integrator, scratches.integrator, parameters, state, workspace, 1.0)
     finish(parts.integrator, scratches.integrator, parameters, state, workspace)
     if parameters.scheme.half_kicks:
         apply_resistances(parts.resistances, scratches.resistances, parameters, state, workspace, False)

@@ -23,6 +23,7 @@ from ecume.laws.brownian_motion import diffusivity, velocity_variance
 from ecume.laws.drag import schiller_naumann_factor
 from ecume.laws.moving_dish import left_behind, sway_acceleration, sway_velocity
 from ecume.models.floating.coupled.hydrodynamics import (
+    add_coupled_heat,
     add_coupled_work,
     fastest_coupled,
     predict_coupled,
@@ -75,14 +76,18 @@ admit(brownian_motion, drag, moving_dish)
 
 
 @compiled
-def power_of_current(parameters: Parameters, state: State, midstep_velocity: Array) -> float:
-    """The power of the drag of the current at the midpoint of the step (W)."""
+def power_of_current(
+    parameters: Parameters, state: State, midstep_velocity: Array, ahead: float, moved: float
+) -> float:
+    """The power of the drag of the current (W), `ahead` steps after the beginning of the step, at the places of floats
+    that have yet to move by `moved` steps: 0.5 and 0.5 at its midpoint.
+    """
     mass, relaxation, radius = parameters.floats.mass, parameters.floats.relaxation_time, parameters.floats.radius
-    drift, position, velocity, half = parameters.drift, state.position, state.velocity, 0.5 * parameters.time_step
+    drift, position, velocity, yet = parameters.drift, state.position, state.velocity, moved * parameters.time_step
     flow, thickness, tabled, power = drift.flow, drift.thickness, drift.nodes.shape[1] > 0, 0.0
-    time = state.step[0] * parameters.time_step + half
+    time = (state.step[0] + ahead) * parameters.time_step
     for i in range(len(position)):
-        x, y = position[i, 0] + half * midstep_velocity[i, 0], position[i, 1] + half * midstep_velocity[i, 1]
+        x, y = position[i, 0] + yet * midstep_velocity[i, 0], position[i, 1] + yet * midstep_velocity[i, 1]
         # Passing the whole of `drift` is slow.
         along, across = current_at(drift, time, x, y) if tabled else straight_current(flow, x, y)
         friction = mass[i] / relaxation[i]
@@ -138,19 +143,25 @@ def add_work_of_kicks(part: Any, scratch: Any, parameters: Parameters, state: St
     # States of former versions have no such entry.
     if len(tally) <= WORK:
         return
-    if drift.flows:
-        tally[WORK] += time * power_of_current(parameters, state, midstep_velocity)
+    if drift.flows and not drift.thermal > 0.0:
+        tally[WORK] += time * power_of_current(parameters, state, midstep_velocity, 0.5, 0.5)
     if drift.sway.moves and not drift.thermal > 0.0:
         tally[WORK] += time * power_of_dish(parameters, midstep_velocity, (state.step[0] + 0.5) * time)
 
 
 @compiled
-def add_heat_of_noise(part: Any, scratch: Any, parameters: Parameters, state: State, workspace: Workspace) -> None:
-    """Add the heat of half a step, by the forces at its beginning or end, including a moving dish."""
+def add_heat_of_noise(
+    part: Any, scratch: Any, parameters: Parameters, state: State, workspace: Workspace, ahead: float
+) -> None:
+    """Add the heat of half a step, by the forces at its beginning or end (`ahead` is 0 or 1), including a moving dish,
+    and the work of the current, whose drag is among them.
+    """
     midstep_velocity, force, power = workspace.midstep_velocity, workspace.force, 0.0
     if parameters.drift.thermal > 0.0 and len(state.tally) > WORK:
         for i in range(len(force)):
             power += force[i, 0] * midstep_velocity[i, 0] + force[i, 1] * midstep_velocity[i, 1]
+        if parameters.drift.flows:
+            power -= power_of_current(parameters, state, midstep_velocity, ahead, 0.0)
         state.tally[WORK] -= 0.5 * parameters.time_step * power
 
 
@@ -453,7 +464,9 @@ class Integrator(Option):
     add_work: Callable[..., None] | None = add_work_of_kicks
     """add_work(part, scratch, parameters, state, workspace): the work of currents and of a moving dish in a step"""
     add_heat: Callable[..., None] | None = add_heat_of_noise
-    """add_heat(part, scratch, parameters, state, workspace): the heat of half a step with noise"""
+    """add_heat(part, scratch, parameters, state, workspace, ahead): the heat of half a step with noise, at its
+    beginning (`ahead` = 0) and its end (1)
+    """
     disturb: Callable[..., None] | None = None
     """disturb(part, parameters, state, workspace): add what the current of the middle of the step and thermal noise
     change to the midstep velocities after a kick
@@ -555,7 +568,7 @@ COUPLED = Integrator(
     slot="coupled integrator", path="hydrodynamics.interaction", name="hydrodynamic interaction",
     scheme=INTEGRATORS["overdamped"].scheme._replace(drags_along=False),
     constants=CoupledKicks, predict=predict_coupled, finish=None, highest_speed=fastest_coupled,
-    add_work=add_coupled_work, scratch=scratch_with_matrix,
+    add_work=add_coupled_work, add_heat=add_coupled_heat, scratch=scratch_with_matrix,
     pairs_worth=coupled_pairs, memory=coupled_memory,
 )  # fmt: skip
 
