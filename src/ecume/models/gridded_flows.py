@@ -373,6 +373,7 @@ def _faces(velocity: Array, step: tuple[float, ...]) -> tuple[list[Array], float
     still = np.where(land[..., None], 0.0, velocity)
     area = [step[1] * step[2], step[0] * step[2], step[0] * step[1]]
     fluxes, shut = list[Array](), list[Flags]()
+    quiet = STILL * float(np.abs(still).max())
     for axis in range(3):
         flux, dry = area[axis] * still[..., axis], land.copy()
         for other in range(3):
@@ -381,6 +382,7 @@ def _faces(velocity: Array, step: tuple[float, ...]) -> tuple[list[Array], float
                 flux = 0.5 * (near + far)
                 near_dry, far_dry = _halves(dry, other)
                 dry = near_dry & far_dry
+        _shut_sides(dry, still[..., axis], axis, quiet)
         fluxes.append(flux)
         shut.append(dry)
     before = math.sqrt(np.mean(np.concatenate([flux.ravel() for flux in fluxes]) ** 2))
@@ -388,6 +390,15 @@ def _faces(velocity: Array, step: tuple[float, ...]) -> tuple[list[Array], float
     removed = np.concatenate([(new - old).ravel() for new, old in zip(changed, fluxes, strict=True)])
     error = math.sqrt(np.mean(removed**2)) / max(before, 1e-300)
     return [flux / area[axis] for axis, flux in enumerate(changed)], error
+
+
+def _shut_sides(shut: Flags, velocity: Array, axis: int, quiet: float) -> None:
+    """Set the flags of faces on those sides of the grid across an axis that are walls: no velocity along the axis is
+    above `quiet` at their nodes. The smallest change of fluxes would otherwise lead liquid through them.
+    """
+    for side in (0, -1):
+        still = np.abs(np.take(velocity, side, axis)) <= quiet
+        shut[(slice(None),) * axis + (side,)] |= still[:-1, :-1] & still[1:, :-1] & still[:-1, 1:] & still[1:, 1:]
 
 
 def _halves(values: Any, axis: int) -> tuple[Any, Any]:

@@ -343,13 +343,13 @@ def seen(position: Array, camera: Array | None = None) -> Array:
 def time_text(time: float) -> str:
     """The time in a suitable unit.
 
-    >>> time_text(3.14159), time_text(3600.0), time_text(90.0 * 86400.0)
-    ('3.14 s', '60.0 min', '90.0 days')
+    >>> time_text(3.14159), time_text(3600.0), time_text(5.0 * 86400.0)
+    ('3.14 s', '60.0 min', '5.0 days')
     """
     if time < 600.0:
         return f"{time:.2f} s"
-    for size, unit in ((60.0, "min"), (3600.0, "h")):
-        if time < 600.0 * size:
+    for size, unit, most in ((60.0, "min", 600.0), (3600.0, "h", 72.0)):
+        if time < most * size:
             return f"{time / size:.1f} {unit}"
     return f"{time / 86400.0:.1f} days"
 

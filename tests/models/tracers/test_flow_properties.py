@@ -265,6 +265,25 @@ def test_a_periodic_array_of_obstacles_keeps_a_density_uniform():
 
 
 @pytest.mark.long
+@pytest.mark.parametrize("noise", [False, True])
+def test_a_gridded_flow_in_3d_keeps_a_density_uniform(noise, tmp_path):
+    """Between walls, in velocities with divergence, which linear interpolation keeps; the noise is 0.07 m."""
+    x, y, z = np.linspace(0.0, 2.0, 17), np.linspace(0.0, 1.0, 9), np.linspace(0.0, 1.0, 9)
+    along, across, up = np.meshgrid(np.pi * x, np.pi * y, np.pi * z, indexing="ij")
+    u = np.sin(along) * (0.5 + np.cos(across) + np.cos(2.0 * up))
+    v = -np.cos(along) * np.sin(across)
+    w = -0.5 * np.cos(along) * np.sin(2.0 * up)
+    np.savez(tmp_path / "flow.npz", x=x, y=y, z=z, u=u, v=v, w=w)
+    brownian = {"hydrodynamics": {"brownian": True, "drag": "stokes"}, "liquid": {"viscosity": 1e-10}}
+    scene = scene_of(
+        {"field": {"file": str(tmp_path / "flow.npz")}}, [2.0, 1.0, 1.0], 8000, 5, **(brownian if noise else {})
+    )
+    first, last = simulate(scene)
+    assert np.abs(last.arrays["position"] - first.arrays["position"]).max(axis=0).min() > 0.2
+    assert is_uniform(counts_over_cells(last.arrays["position"], (2.0, 1.0, 1.0), (6, 3, 3)))
+
+
+@pytest.mark.long
 @pytest.mark.filterwarnings("ignore:obstacles. the flow does not go around")
 @pytest.mark.parametrize("seed", SEEDS)
 def test_no_particle_is_ever_outside(seed, tmp_path):

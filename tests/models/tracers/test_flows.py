@@ -242,6 +242,17 @@ def test_fluxes_in_3d_have_no_divergence_even_beside_land():
     assert 0.1 < fit.removed < 1.0
 
 
+def test_no_liquid_flows_through_sides_of_a_grid_in_3d_along_which_the_file_s_velocities_are():
+    """They have divergence, which the smallest change of fluxes would lead out through these sides."""
+    velocity = np.random.default_rng(4).normal(size=(1, 6, 5, 4, 3))
+    velocity[0, :, 0, :, 1] = velocity[0, :, :, -1, 2] = 0.0
+    velocity[0, 0, :, :, 0] = velocity[0, -1, :, :, 0] = 0.0
+    shape = gridded_flows.fitted(Grid((0.0,) * 3, (0.1, 0.2, 0.3), np.zeros(1), velocity), "divergence-free").shape
+    for closed in (shape.along[0, 0], shape.along[0, -1], shape.across[0, :, 0], shape.upward[0, ..., -1]):
+        assert not closed.any()
+    assert np.abs(shape.across[0, :, -1]).min() > 0.0
+
+
 def saved(folder, name="gyre.npz", instants=1):
     grid = nodes(12, gyre)
     x, z = np.linspace(0.0, 2.0, 25), np.linspace(0.0, 1.0, 13)
@@ -337,6 +348,15 @@ def test_a_part_of_the_tank_or_of_the_run_without_velocities_is_told(interpolati
     assert rows["beyond the grid"][0] == "36 %"
     assert rows["times of the flow"][0] == "0 s to 1 s"
     assert [str(one.message).split(" of the ")[0] for one in said] == ["flow.field: 36 %", "flow.field: 0 s to 1 s"]
+
+
+def test_particles_that_start_on_land_are_told(tmp_path):
+    saved(tmp_path)
+    arrays = dict(np.load(tmp_path / "gyre.npz"))
+    np.savez(tmp_path / "gyre.npz", **{**arrays, "u": np.where(arrays["x"][:, None] < 100.0, np.nan, arrays["u"])})
+    field = {"file": str(tmp_path / "gyre.npz"), "length_unit": 0.01}
+    particles = [{"radius": 1e-6, "density": 1000.0, "positions": [[0.5, 0.5], [1.5, 0.2], [0.7, 0.3]]}]
+    assert rows_of({"field": field}, particles=particles)["start on land"][0] == "2"
 
 
 def test_the_grid_of_a_flow_in_3d_is_compared_along_its_own_axes():

@@ -37,7 +37,7 @@ NUMBERS = 20
 
 def summary_in(scene: TracersScene, parameters: Parameters, flow: LiquidFlow) -> list[tuple[str, str, str]]:
     """The rows of `ecume check` in a flow, which may be a function of the user."""
-    start(scene, parameters)
+    first = start(scene, parameters)
     fluid = parameters.fluid
     steps, count = last_step(scene, parameters.steps_per_frame), len(parameters.bodies.radius)
     openings = len(scene.openings)
@@ -50,6 +50,7 @@ def summary_in(scene: TracersScene, parameters: Parameters, flow: LiquidFlow) ->
         *(row for index in range(len(scene.particles)) for row in summary_of(scene, parameters, index)),
         *sizes_rows(parameters.bodies.radius),
         *flow_rows(scene, parameters, flow),
+        *started_on_land(scene, flow, first.position),
         *through_solids(scene, parameters, flow),
         ("walls", str(len(parameters.bouncing.kind)), f"{openings} opening{'' if openings == 1 else 's'}"),
         *(row for index in range(len(scene.openings)) for row in coming(scene, parameters, index)),
@@ -266,6 +267,20 @@ def history_while_relaxing(parameters: Parameters) -> list[tuple[str, str, str]]
     ratio = max(unsteady_forces.history_ratio(radius, viscosity, rate) for radius, rate in grains)
     remark = "Basset's over Stokes's drag before the terminal speed is reached: not included"
     return [("history force", f"{ratio:.2g}", remark)]
+
+
+STILL = 1e-9
+"""The speed of liquid on land, up to rounding, over the largest one."""
+
+
+def started_on_land(scene: TracersScene, flow: LiquidFlow, position: Array) -> list[tuple[str, str, str]]:
+    """The row on particles that start where a file has no velocities."""
+    if scene.flow.field is None or flow.scales.speed == 0.0:
+        return []
+    speed = np.sqrt((flow.velocity(position, 0.0) ** 2).sum(axis=1))
+    count = int((speed < STILL * flow.scales.speed).sum())
+    remark = f"of {len(position)} particles, where the file has no velocity: weight and noise alone move them"
+    return [("start on land", str(count), remark)] if count else []
 
 
 BEYOND = 0.1

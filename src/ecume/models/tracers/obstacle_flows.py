@@ -202,10 +202,9 @@ def _require_gaps(frame: Array, outlines: list[Array], least: float) -> None:
         )
         gap = float(min(_distance(outline, rest).min(), _distance(rest[:, 0], _segments([outline])).min()))
         if not inside or gap < least:
-            raise BadInput(
-                f"obstacle {k} is {gap if inside else 0.0:.3g} m from another or from a side; expected at least "
-                f"{least:.3g} m for the flow around it"
-            )
+            where = f"is {gap:.3g} m from" if inside else "is outside of the channel, or 0 m from"
+            message = f"obstacle {k} {where} another or from a side; expected at least {least:.3g} m for the flow "
+            raise BadInput(message + "around it")
 
 
 def _divided(outline: Array, longest: float, own: Array, outlines: list[Array]) -> Array:
