@@ -13,6 +13,7 @@ from ecume.models.soft.contacts.contact_list import new_pairs, update_contact_li
 from ecume.models.soft.contacts.tree_search import PairList
 from ecume.models.soft.contacts.walls import Walls
 from ecume.models.soft.integration.dirk import accept, reset_to_start
+from ecume.models.soft.integration.dirk_schemes import LOOSE, error_of_run
 from ecume.models.soft.integration.linear_solvers import attempt, balance, begin_step
 from ecume.models.soft.integration.step_control import (
     Control,
@@ -49,13 +50,14 @@ from ecume.models.soft.state import (
     store,
     workspace,
 )
+from ecume.units import Array
 
 AFTER_JUMP = 1e-6
 """The first step after a jump, over the time between frames; earlier steps contain no information on the relaxation."""
 WORK_TRIES = 4
 """Attempts to make the energy budget of a step as exact as that of a run: see `step_control`."""
-NARROW = 0.5
-"""A new contact with a gap below NARROW times the reach of films was missed by a too long step."""
+LEAST_PART, MOST_PART = 0.05, 0.95
+"""The least and the largest factor of the length of a step that ends where a film opens."""
 
 
 def advance(parameters: Parameters, state: State, scratch: Workspace, steps: int) -> int:
@@ -148,11 +150,13 @@ def attempted(tried: Tried, length: float, end: float) -> float:
 
 
 def shortening(tried: Tried) -> float:
-    """The factor of the length of a step that missed a contact, or whose energy budget is not exact; otherwise 1."""
+    """The factor of the length of a step in which a contact should have opened, or whose energy budget is not exact;
+    otherwise 1.
+    """
     parameters, step = tried.parameters, tried.scratch.step
     tried.opened = new_contacts(parameters, step)
-    if missed_contact(parameters, step, tried.opened):
-        return 0.5
+    if (part := part_until_contacts(parameters, step, tried.opened)) < 1.0:
+        return part
     if tried.tries > 0 and (excess := missed_work(tried)) > 1.0:
         tried.tries -= 1
         # A power of two: the residual is a difference of large terms, and its rounding error must not affect the
@@ -177,24 +181,53 @@ def new_contacts(parameters: Parameters, step: Step) -> PairList:
     return new_pairs(parameters, step.bodies.position, box, (pair, image))
 
 
-def missed_contact(parameters: Parameters, step: Step, opened: PairList) -> bool:
-    """Whether a gap is narrower than that of a new contact, so that its film should have opened in an earlier step."""
-    if step.walls and missed_wall_contact(parameters, step, step.walls):
-        return True
-    reach, moved = parameters.contacts.fade_from, step.bodies.position - step.bodies.before
-    if 2.0 * float(np.linalg.norm(moved - moved.mean(axis=0), axis=1).max()) < (1.0 - NARROW) * reach:
-        return False
-    pair, _, between = opened
-    gap = np.linalg.norm(between, axis=1) - parameters.radius[pair].sum(axis=1)
-    return bool((gap < NARROW * reach).any())
+def part_until_contacts(parameters: Parameters, step: Step, opened: PairList) -> float:
+    """The part of a step until the first new contact opens, by linear interpolation of its gap; 1 if all are wide
+    enough at the end.
+    """
+    found = part_until_pairs(parameters, step, opened)
+    return min(found, part_until_walls(parameters, step, step.walls)) if step.walls else found
 
 
-def missed_wall_contact(parameters: Parameters, step: Step, walls: Walls) -> bool:
-    """Whether a sphere is closer to a wall than a new contact should be."""
+def part_until_pairs(parameters: Parameters, step: Step, opened: PairList) -> float:
+    """The part of a step until the first new contact between spheres."""
+    pair, image, between = opened
+    reach = parameters.radius[pair].sum(axis=1)
+    end = np.linalg.norm(between, axis=1) - reach
+    late = end < narrowest(parameters)
+    if not late.any():
+        return 1.0
+    pair, image, reach = pair[late], image[late], reach[late]
+    box = box_of(parameters.box, step.cell.before, parameters.dimensions)
+    apart = step.bodies.before[pair[:, 1]] - step.bodies.before[pair[:, 0]] + image * box.sides
+    apart[:, 0] += box.tilt * image[:, 1]
+    return part_until(parameters, np.linalg.norm(apart, axis=1) - reach, end[late])
+
+
+def part_until_walls(parameters: Parameters, step: Step, walls: Walls) -> float:
+    """The part of a step until the first new contact with a wall."""
     touching = np.zeros((len(step.bodies.position), len(parameters.walls.modulus)), np.bool_)
     touching[walls.touches.first, walls.touches.wall] = True
-    close = wall_gaps(parameters, step.bodies.position, walls.places.place) < NARROW * parameters.contacts.fade_from
-    return bool((~touching & close).any())
+    end = wall_gaps(parameters, step.bodies.position, walls.places.place)
+    late = ~touching & (end < narrowest(parameters))
+    if not late.any():
+        return 1.0
+    return part_until(parameters, wall_gaps(parameters, step.bodies.before, walls.places.before)[late], end[late])
+
+
+def narrowest(parameters: Parameters) -> float:
+    """The smallest gap of a new contact (m): the moment at which a film opens is as exact as stresses and work are."""
+    return parameters.contacts.fade_from * (1.0 - error_of_run(parameters.scheme, parameters.tolerance) / LOOSE)
+
+
+def part_until(parameters: Parameters, start: Array, end: Array) -> float:
+    """The part of a step until the first of these gaps is between that of the narrowest new contact and the reach of
+    films. Those that are narrower at its start, after a jump, do not count.
+    """
+    reach = parameters.contacts.fade_from
+    aim = 0.5 * (narrowest(parameters) + reach)
+    parts = [(wide - aim) / (wide - narrow) for wide, narrow in zip(start, end, strict=True) if wide >= reach]
+    return min(max(float(min(parts)), LEAST_PART), MOST_PART) if parts else 1.0
 
 
 def jump(parameters: Parameters, state: State, scratch: Workspace) -> bool:
