@@ -27,6 +27,13 @@ TYPOS = [
     ("[dish]", "[dish]\ndepth ==", "is not TOML"),
     ("count = 2", 'count = 2\ncolor = "nocolor"', "nocolor"),
 ]
+WITHOUT_PHYSICS = [
+    ('radius = "1.5 mm"', "radius = 1.5 mm", "is not TOML"),
+    ('model = "floating"', "model = floating", "is not TOML"),
+    ("[dish]", "[[dish]]", "write [dish] with one pair of brackets"),
+    ("[[particles]]", "[particles]", "write [[particles]] with two brackets"),
+]
+"""Faults that leave no valid part."""
 
 
 def physics(scene):
@@ -67,10 +74,23 @@ def test_several_faults_of_each_kind_are_reported_in_the_order_of_the_file(tmp_p
     assert [fault.line for fault in faults] == [5, 8, 11, 12]
 
 
-@pytest.mark.parametrize(("old", "new", "says"), TYPOS)
+@pytest.mark.parametrize(("old", "new", "says"), TYPOS + WITHOUT_PHYSICS)
 def test_what_is_right_but_for_its_text_has_that_fault_only(old, new, says, tmp_path):
     (fault,) = faults_of(GOOD.replace(old, new, 1), tmp_path)
     assert says in str(fault)
+
+
+def test_a_list_of_species_that_begins_as_a_table_has_one_fault(tmp_path):
+    more = "[[particles]]\nradius = 1e-3\ndensity = 300\ncontact_angle = 1\ncount = 1\n"
+    (fault,) = faults_of(GOOD.replace("[[particles]]", "[particles]") + more, tmp_path)
+    assert "two brackets" in fault.message
+
+
+def test_a_short_list_that_is_refused_is_printed(tmp_path):
+    tank = 'model = "sph"\nduration = 1\nframe_every = 1\nspacing = 0.1\n[tank]\nhigh = ["1 m", "1 m"]\n'
+    (fault,) = faults_of(tank + '[[fluid]]\nlow = ["0 m", "O m"]\nhigh = ["1 m", "1 m"]\n', tmp_path)
+    assert fault.path == "fluid[0].low"
+    assert fault.message.startswith("got ['0 m', 'O m']; ")
 
 
 def test_a_scene_that_lacks_something_has_no_valid_part(tmp_path):

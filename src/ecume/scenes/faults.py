@@ -303,8 +303,19 @@ def _described(detail: ErrorDetails, kind: type, raw: object, also: Sequence[str
     cause = detail.get("ctx", {}).get("error")
     if isinstance(cause, Inconsistent):
         return [(path + below, message) for below, message in cause.complaints]
-    got = f"got {echo(value_at(raw, path, detail['input']))}"
+    got = f"got {_echo_of_list(value_at(raw, path, detail['input']), cause)}"
     return [(path, f"{got}; {cause if cause is not None else _expected(detail)}{_as_table(detail, kind, path)}")]
+
+
+def _echo_of_list(value: object, cause: object) -> str:
+    """The given value as text; a short list that a function refused as a whole with its items."""
+    if cause is None or not isinstance(value, list) or not 0 < len(value) <= FEW_ITEMS:
+        return echo(value)
+    return f"[{', '.join(map(echo, value))}]"
+
+
+FEW_ITEMS = 4
+"""The largest number of items of a list that are printed."""
 
 
 def _as_table(detail: ErrorDetails, kind: type, path: Path) -> str:
@@ -312,6 +323,8 @@ def _as_table(detail: ErrorDetails, kind: type, path: Path) -> str:
     word = detail["input"]
     if detail["type"] == "tuple_type" and isinstance(word, dict):
         return f"; write [[{'.'.join(str(key) for key in path if isinstance(key, str))}]] with two brackets"
+    if detail["type"] == "dataclass_type" and isinstance(word, list) and word and isinstance(word[0], dict):
+        return f"; write [{'.'.join(str(key) for key in path if isinstance(key, str))}] with one pair of brackets"
     if detail["type"] != "dataclass_type" or not isinstance(word, str):
         return ""
     hints = _hints(_kind_at(kind, path))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import copy
 import re
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Sequence
 from pathlib import Path as File
 from typing import Any
 
@@ -45,9 +45,12 @@ def merged(error: SceneError, file: File, overrides: Sequence[str], examine: Cal
         return list(error.faults)
     if any("twice" in fault.message for fault in syntax):
         return syntax  # the keys of the second table would be faults of the first table
-    faults = [*syntax] if syntax else list(error.faults)
+    faults = list(error.faults)
     if syntax:
-        faults += _faults_of(text, overrides)
+        lines = source_of(file).text.split("\n")
+        if mixed := _mixed_heads(syntax, lines):
+            return mixed  # the keys of the second table would be faults of the first table
+        faults = _without_results(syntax, _faults_of(text, overrides), lines)
     scene, dropped = valid_part(text, overrides)
     if scene is not None and _placed(scene) <= QUICK:
         try:
@@ -56,6 +59,32 @@ def merged(error: SceneError, file: File, overrides: Sequence[str], examine: Cal
             faults += _located(more, text, overrides, dropped)
     unique = {(fault.path, fault.message): fault for fault in faults}.values()
     return sorted(unique, key=lambda fault: (fault.line is None, fault.line or 0, fault.column or 0))
+
+
+KEY_OF_LINE = re.compile(r"\s*(?:[\w-]+\s*\.\s*)*([\w-]+)")
+"""The last word of the key with which a line begins."""
+SECOND_HEAD = re.compile(r"\s*\[\[\s*([\w.-]+)\s*\]\]")
+
+
+def _mixed_heads(syntax: Sequence[Fault], lines: Sequence[str]) -> list[Fault]:
+    """The fault of a head `[[particles]]` after `[particles]`."""
+    for fault in syntax:
+        head = SECOND_HEAD.match(lines[fault.line - 1]) if fault.line else None
+        if head and "overwrite" in fault.message:
+            message = f"stands above as [{head[1]}]; write [[{head[1]}]] with two brackets there, too"
+            return [fault._replace(path=head[1], message=message)]
+    return []
+
+
+def _without_results(syntax: Sequence[Fault], found: Sequence[Fault], lines: Sequence[str]) -> list[Fault]:
+    """The faults of lines that are not TOML, and those of the others without keys that are missing because of them."""
+    begins = [KEY_OF_LINE.match(lines[fault.line - 1]) for fault in syntax if fault.line]
+    lost = {match[1] for match in begins if match}
+    return [*syntax, *(fault for fault in found if not _is_lost(fault, lost))]
+
+
+def _is_lost(fault: Fault, keys: Collection[str]) -> bool:
+    return fault.message.startswith(MISSING) and fault.path.rpartition(".")[2] in keys
 
 
 def _placed(scene: Scene) -> int:
