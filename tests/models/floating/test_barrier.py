@@ -13,11 +13,13 @@ from ecume.models.floating.dishes import behind_barrier, field_of
 from ecume.models.floating.forces.magnets import DipoleMoments
 from ecume.models.floating.parameters import CUTOFF, part_of
 from ecume.models.liquids import liquid_of
+from ecume.models.model import DONE
 from ecume.scenes.schema import from_plain
 from ecume.show.floating.bowl import Bowl as Picture
 from ecume.show.play.bowl import Bowl as PlayedBowl
 from ecume.show.view.scenery import floating_stage
 from ecume.simulation import simulate
+from tests.models import begun
 
 RADIUS, SPEED = 1e-3, 0.005
 FLOATING = MODELS["floating"]
@@ -239,6 +241,21 @@ def test_a_chain_snaps_aside_without_overlap_and_the_barrier_is_late_if_it_would
     assert frames[-1].arrays["position"][1, 1] > 0.5 * RADIUS
     missing = max(0.0339 + f.time * SPEED - f.numbers["barrier_position"] for f in frames)
     assert (missing > 1e-6) == late
+
+
+def test_velocities_are_those_of_the_motion_where_the_barrier_is_late():
+    row = [[0.019, 0.0], [0.017, 1e-3 * RADIUS], [0.015, 0.0]]
+    parameters, state, workspace = begun(trough(row, barrier={"start": 0.0339}, duration=0.1, frame_every=0.002))
+    time, ways, shares = parameters.time_step, [], []
+    for _ in range(60):
+        before = state.position.copy()
+        assert FLOATING.advance(parameters, state, workspace, 1) == DONE
+        moved = np.abs(state.position - before).max()
+        ways.append(moved / RADIUS)
+        shares.append(time * np.abs(state.velocity).max() / max(moved, 1e-30))
+    late = int(np.argmax(ways))
+    assert ways[late] == pytest.approx(0.25, rel=0.05)
+    assert shares[late] == pytest.approx(1.0, abs=1e-3)
 
 
 def test_a_barrier_stops_at_the_pressure_that_a_scene_gives():

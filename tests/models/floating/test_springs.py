@@ -97,3 +97,12 @@ def test_what_does_not_go_with_springs_is_reported(rest, said):
     scene = scene_of(f"{WATER}[[particles]]\ncount = 2\n{HEAVY}{rest}")
     with pytest.raises(SceneError, match=said):
         MODELS["floating"].parameters(scene)
+
+
+def test_springs_of_fast_floats_are_as_stiff_as_collisions_at_the_wall_require():
+    """Without a stiffness in the scene: one that holds attraction alone gave an overlap of 2 % of a radius."""
+    fast = f"[[particles]]\n{HEAVY}positions = [[-3.9e-3, 0.0]]\nvelocity = [-0.2, 0.0]\n"
+    walls = f'[dish]\nradius = "5 mm"\nrestitution = 1.0\n[contacts]\n{SOFT}'
+    *_, last = simulate(scene_of(WATER + fast + walls, duration=2e-3, frame_every=1e-3))
+    assert last.arrays["velocity"][0, 0] > 0.0
+    assert 1e-3 < last.numbers["deepest_overlap"] / 1e-3 < 0.011

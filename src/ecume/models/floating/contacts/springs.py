@@ -15,7 +15,7 @@ from ecume.models.floating.contacts.collisions import (
 from ecume.models.floating.forces.pair_forces import law_of, row_of, two_floats
 from ecume.models.floating.options import Built, scene_error
 from ecume.models.floating.parameters import CAPILLARY_LENGTH, DEEPEST, Parameters, State, Workspace, copy_rows
-from ecume.models.floating.time_integration.step_size import RAFT_NEIGHBORS
+from ecume.models.floating.time_integration.step_size import RAFT_NEIGHBORS, fastest_start
 from ecume.units import Array
 
 if TYPE_CHECKING:
@@ -34,6 +34,8 @@ class Springs(NamedTuple):
 
 SHALLOW = 1e-3
 """Overlap caused by the strongest attraction, over the smallest radius, if a scene gives no stiffness."""
+STRUCK = 1e-2
+"""Overlap in a collision at the highest speed of the start or of the current, over the smallest radius."""
 LEAST_RESTITUTION = 0.05
 """Below this value dashpots would be far above critical damping, and would require short time steps."""
 
@@ -41,7 +43,7 @@ LEAST_RESTITUTION = 0.05
 def springs_of(parameters: Parameters, scene: FloatingScene, interactions: tuple[Any, ...]) -> Built:
     """Return contacts with springs. Raises SceneError if the restitution requires too much damping."""
     slow = not parameters.scheme.inertia
-    stiffness = scene.contacts.stiffness or stiffness_of(parameters)
+    stiffness = scene.contacts.stiffness or stiffness_of(parameters, fastest_start(parameters, scene))
     at_walls = parameters.wall_restitution if scene.dish is not None else 1.0
     dampings = [0.0 if slow else damping_of(each) for each in (parameters.restitution, at_walls)]
     floats = parameters.floats
@@ -51,9 +53,10 @@ def springs_of(parameters: Parameters, scene: FloatingScene, interactions: tuple
     return Built(Springs(stiffness, *dampings), shortest_time)
 
 
-def stiffness_of(parameters: Parameters) -> float:
-    """The stiffness (N/m) at which the pressure of six neighbors and of the walls causes a relative overlap of SHALLOW.
-    Raises SceneError.
+def stiffness_of(parameters: Parameters, speed: float) -> float:
+    """The stiffness (N/m) at which the pressure of six neighbors and of the walls, and the drag of a current on a
+    raft that it presses against a wall, cause a relative overlap of SHALLOW, and a collision at this speed (m/s) one of
+    STRUCK. Raises SceneError.
     """
     floats, length = parameters.floats, float(parameters.pair[CAPILLARY_LENGTH])
     smallest, strongest = float(floats.radius.min()), float(abs(floats.charge).max())
@@ -64,7 +67,11 @@ def stiffness_of(parameters: Parameters) -> float:
         raise scene_error(
             "contacts.stiffness", "got none, and no force presses the floats together; expected a stiffness in N/m"
         )
-    return (RAFT_NEIGHBORS * pull + walls) / (SHALLOW * smallest)
+    pressed = math.sqrt(len(floats.mass)) * float((floats.mass / floats.relaxation_time).max()) * speed
+    resting = (RAFT_NEIGHBORS * pull + walls + pressed) / (SHALLOW * smallest)
+    # A float with the speed v bounces off a wall from the depth v sqrt(m/k).
+    struck = float(floats.mass.max()) * (speed / (STRUCK * smallest)) ** 2 if parameters.scheme.inertia else 0.0
+    return max(resting, struck)
 
 
 def damping_of(restitution: float) -> float:

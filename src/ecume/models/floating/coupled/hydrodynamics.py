@@ -230,10 +230,7 @@ def add_coupled_work(
     """Add the work of the current in one step. With thermal noise, the heat contains this work."""
     copy_rows(workspace.stages[PUSHED], workspace.force)
     if not parameters.drift.thermal > 0.0 and len(state.tally) > WORK:
-        power = power_on_floats(scratch.load, scratch.current)
-        if parameters.drift.flows:
-            power += power_at_beginning(parameters, state, scratch.current, workspace.force)
-        state.tally[WORK] += parameters.time_step * power
+        state.tally[WORK] += parameters.time_step * power_on_floats(scratch.load, scratch.current)
 
 
 @compiled
@@ -270,18 +267,6 @@ def power_on_floats(load: Array, current: Array) -> float:
     power = 0.0
     for i in range(len(current)):
         power -= load[2 * i] * current[i, 0] + load[2 * i + 1] * current[i, 1]
-    return power
-
-
-@compiled
-def power_at_beginning(parameters: Parameters, state: State, current: Array, force: Array) -> float:
-    """The power (W) to add where the forces of the beginning of the step go with the current of the beginning, instead
-    of the `current` of the middle. Contacts and films act during the step.
-    """
-    power, now, position = 0.0, state.step[0] * parameters.time_step, state.position
-    for i in range(len(current)):
-        x, y = current_at(parameters.drift, now, position[i, 0], position[i, 1])
-        power += force[i, 0] * (current[i, 0] - x) + force[i, 1] * (current[i, 1] - y)
     return power
 
 

@@ -239,6 +239,9 @@ def slow_down(
     for i in range(count):
         for axis in range(velocity.shape[1]):
             velocity[i, axis] *= share
+        # Without inertia the velocities in frames are those of the motion; inertia keeps what contacts have left.
+        for axis in range(0 if parameters.scheme.inertia else 2):
+            state.velocity[i, axis] *= share
     scratch.step[1] = scratch.step[0] + share * (scratch.step[1] - scratch.step[0])
     scratch.step[2] *= share
     for number in range(len(part.sides)):

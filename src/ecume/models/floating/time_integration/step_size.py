@@ -231,7 +231,7 @@ def kick_of(scheme: Scheme, time_step: float, floats: Floats, walls: int) -> Kic
 
 def good_step(parameters: Parameters, scene: FloatingScene) -> float:
     """The longest good time step of a scene (s)."""
-    return longest_good_step(parameters, _speeds(parameters, scene))
+    return longest_good_step(parameters, fastest_start(parameters, scene))
 
 
 def without_drag(parameters: Parameters) -> Floats:
@@ -295,7 +295,7 @@ def _judge(given: float, good: float, remark: str) -> None:
         warnings.warn(message, StepWarning, stacklevel=2)
 
 
-def _speeds(parameters: Parameters, scene: FloatingScene) -> float:
+def fastest_start(parameters: Parameters, scene: FloatingScene) -> float:
     """The largest initial speed, or the largest speed of the flow where floats are (m/s)."""
     drift, starts = parameters.drift, given_places(scene).velocity
     carried = _flow_speed(parameters, scene) + fastest_at_nodes(drift)
