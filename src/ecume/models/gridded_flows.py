@@ -231,12 +231,12 @@ class Fitted(NamedTuple):
 
 
 def fitted(grid: Grid, interpolation: str, wrapped: tuple[int, ...] = ()) -> Fitted:
-    """The field of a grid, with divergence-free or linear interpolation. In 2D it is periodic along the axes `wrapped`,
-    whose last nodes are the first ones of the next period.
+    """The field of a grid, with divergence-free or linear interpolation. Without divergence it is periodic along the
+    axes `wrapped`, whose last nodes are the first ones of the next period.
     """
     if interpolation == "linear":
         return Fitted(_linear_field(grid), 0.0)
-    return _stream_field(grid, wrapped) if len(grid.low) == 2 else _face_field(grid)
+    return _stream_field(grid, wrapped) if len(grid.low) == 2 else _face_field(grid, wrapped)
 
 
 def _linear_field(grid: Grid) -> LinearField:
@@ -356,11 +356,11 @@ def _shut_edges(u: Array, w: Array, land: Flags, wrapped: tuple[int, ...]) -> Ed
     return Edges(along, up, wrapped)
 
 
-def _face_field(grid: Grid) -> Fitted:
+def _face_field(grid: Grid, wrapped: tuple[int, ...]) -> Fitted:
     """The divergence-free fluxes through faces at each instant."""
     made, errors = [], []
     for velocity in grid.velocity:
-        faces, error = _faces(velocity, grid.step)
+        faces, error = _faces(velocity, grid.step, wrapped)
         made.append(faces)
         errors.append(error)
     along, across, upward = (np.ascontiguousarray(np.array([faces[axis] for faces in made])) for axis in range(3))
@@ -368,7 +368,7 @@ def _face_field(grid: Grid) -> Fitted:
     return Fitted(FaceField(low, step, density, grid.times, along, across, upward), max(errors))
 
 
-def _faces(velocity: Array, step: tuple[float, ...]) -> tuple[list[Array], float]:
+def _faces(velocity: Array, step: tuple[float, ...], wrapped: tuple[int, ...]) -> tuple[list[Array], float]:
     land: Flags = np.asarray(np.isnan(velocity).any(axis=-1))
     still = np.where(land[..., None], 0.0, velocity)
     area = [step[1] * step[2], step[0] * step[2], step[0] * step[1]]
@@ -382,11 +382,12 @@ def _faces(velocity: Array, step: tuple[float, ...]) -> tuple[list[Array], float
                 flux = 0.5 * (near + far)
                 near_dry, far_dry = _halves(dry, other)
                 dry = near_dry & far_dry
-        _shut_sides(dry, still[..., axis], axis, quiet)
+        if axis not in wrapped:
+            _shut_sides(dry, still[..., axis], axis, quiet)
         fluxes.append(flux)
         shut.append(dry)
     before = math.sqrt(np.mean(np.concatenate([flux.ravel() for flux in fluxes]) ** 2))
-    changed = _without_divergence(fluxes, shut)
+    changed = _without_divergence(fluxes, shut, wrapped)
     removed = np.concatenate([(new - old).ravel() for new, old in zip(changed, fluxes, strict=True)])
     error = math.sqrt(np.mean(removed**2)) / max(before, 1e-300)
     return [flux / area[axis] for axis, flux in enumerate(changed)], error
@@ -407,9 +408,9 @@ def _halves(values: Any, axis: int) -> tuple[Any, Any]:
     return np.take(values, range(count - 1), axis), np.take(values, range(1, count), axis)
 
 
-def _without_divergence(fluxes: list[Array], shut: list[Flags]) -> list[Array]:
+def _without_divergence(fluxes: list[Array], shut: list[Flags], wrapped: tuple[int, ...]) -> list[Array]:
     """The fluxes through faces after the smallest change that removes the divergence of all cells; zero through shut
-    faces.
+    faces. Along the axes `wrapped` the last faces are the first ones.
     """
     from scipy import sparse
     from scipy.sparse.linalg import cg
@@ -421,6 +422,8 @@ def _without_divergence(fluxes: list[Array], shut: list[Flags]) -> list[Array]:
     rows, columns, signs = [], [], []
     for axis in range(3):
         faces = starts[axis] + np.arange(sizes[axis]).reshape(fluxes[axis].shape)
+        if axis in wrapped:
+            faces = np.take(faces, [*range(faces.shape[axis] - 1), 0], axis)
         lower, upper = _halves(faces, axis)
         for side, sign in ((lower, -1.0), (upper, 1.0)):
             rows.append(number.ravel())
@@ -434,9 +437,12 @@ def _without_divergence(fluxes: list[Array], shut: list[Flags]) -> list[Array]:
     balance = rate @ sparse.diags_array(open_faces) @ rate.T + 1e-14 * sparse.eye_array(number.size)
     pressure, _ = cg(balance, rate @ flux, rtol=1e-12, atol=0.0, maxiter=20 * max(shape) + 2000)
     flux = flux - open_faces * (rate.T @ pressure)
-    return [
+    found = [
         flux[start : start + size].reshape(like.shape) for start, size, like in zip(starts, sizes, fluxes, strict=True)
     ]
+    for axis in wrapped:
+        found[axis] = np.take(found[axis], [*range(found[axis].shape[axis] - 1), 0], axis)
+    return found
 
 
 GRIDDED_VELOCITIES: dict[type, Any] = {

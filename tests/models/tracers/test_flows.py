@@ -253,6 +253,18 @@ def test_no_liquid_flows_through_sides_of_a_grid_in_3d_along_which_the_file_s_ve
     assert np.abs(shape.across[0, :, -1]).min() > 0.0
 
 
+def test_fluxes_of_a_periodic_grid_in_3d_are_periodic_and_the_same_through_all_sections():
+    velocity = np.random.default_rng(5).normal(size=(1, 6, 5, 4, 3))
+    velocity[0, :, [0, -1], :, 1] = velocity[0, :, :, [0, -1], 2] = 0.0
+    velocity[0, -1] = velocity[0, 0]
+    grid = Grid((0.0,) * 3, (0.1, 0.2, 0.3), np.zeros(1), velocity)
+    along = gridded_flows.fitted(grid, "divergence-free", (0,)).shape.along[0]
+    assert np.array_equal(along[0], along[-1])
+    flux = along.sum(axis=(1, 2))
+    assert flux == pytest.approx(np.full(6, flux[0]), rel=1e-9)
+    assert abs(flux[0]) > 0.1
+
+
 def saved(folder, name="gyre.npz", instants=1):
     grid = nodes(12, gyre)
     x, z = np.linspace(0.0, 2.0, 25), np.linspace(0.0, 1.0, 13)
