@@ -179,16 +179,22 @@ export abstract class BowlPage extends Toy<Now> {
       const there = picked >= 0 && picked < seen.x.length;
       if (key === "n" && seen.x.length) this.pick((picked + (event.shiftKey ? seen.x.length - 1 : 1)) % seen.x.length, seen);
       else if (key === "i") this.hear(this.described(seen));
-      else if (key === "x" && there) void this.change("take", { one: picked });
-      else if (key === "r" && there) this.hear(this.ruler.choose(picked) || "Measured: the distance is beside the bowl.");
-      else if (key === "enter") void this.act("drop", { name: this.chosen, x: 0, y: 0 });
-      else if (key in LETTERS && there) {
+      else if ((key === "x" || key === "r" || key in LETTERS) && !there) this.hear("Choose a float first, with N.");
+      else if (key === "x") void this.change("take", { one: picked }).then((done) => done && this.hear(`Taken out: ${seen.x.length - 1} floats.`));
+      else if (key === "r") this.hear(this.ruler.choose(picked) || this.measured(seen));
+      else if (key === "enter") void this.act("drop", { name: this.chosen, x: 0, y: 0 }).then((done) => done && this.hear(`Dropped a ${this.chosen} near the middle: ${seen.x.length + 1} floats.`));
+      else if (key in LETTERS) {
         const [x, y] = LETTERS[key].map((way, axis) => (axis ? seen.y : seen.x)[picked] + PULL * seen.radius[picked] * way);
         void this.act("grasp", { one: picked, x, y });
       } else return;
       event.preventDefault();
     });
     this.canvas.addEventListener("keyup", (event) => event.key.toLowerCase() in LETTERS && void this.act("release"));
+  }
+
+  private measured(seen: Now): string {
+    const pair = this.ruler.ends(seen);
+    return pair ? `${millimeters(apart(seen, ...pair))} apart; the distance over time is beside the bowl.` : "";
   }
 
   private pick(one: number, seen: Now): void {

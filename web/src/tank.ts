@@ -110,13 +110,19 @@ class Pool extends Toy<Poured> {
       const stride = STRIDE * (high[0] - low[0]);
       this.cursor = this.cursor.map((x, axis) => Math.min(Math.max(x + stride * MOVES[key][axis], low[axis]), high[axis])) as [number, number];
       this.marked = true;
+      this.hear(`The mark is at ${this.cursor.map((x) => x.toFixed(2)).join(", ")} m.`);
     } else if (key in PUSHES && basin.movable) {
       const stride = STRIDE * (high[0] - low[0]);
       void this.act("drag", { x: low[0] + (this.seen?.wall ?? 0) + PUSHES[key] * 4 * stride });
-    } else if (key === "enter") void this.act(this.tool, { x: this.cursor[0], y: this.cursor[1] });
-    else if (key === "i") element("heard").textContent = this.stands();
+    } else if (key === "enter") void this.act(this.tool, { x: this.cursor[0], y: this.cursor[1] }).then((done) => done && this.hear(this.tool === "pour" ? "Poured." : "Scooped."));
+    else if (key === "i") this.hear(this.stands());
     else return;
     event.preventDefault();
+  }
+
+  /** For those who do not see the picture. */
+  private hear(text: string): void {
+    element("heard").textContent = text;
   }
 
   /** How things stand, in words. */
