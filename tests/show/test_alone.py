@@ -228,6 +228,24 @@ def test_another_scene_of_the_gallery_begins_and_the_first_one_again(page):
 
 
 @with_node
+def test_floats_drift_in_an_ellipse_to_its_wall(few, tmp_path):
+    """Each of its walls has a strength of its own, of which a page has only shares in the largest one."""
+    text = (folder() / "cereal-bowl.toml").read_text(encoding="utf-8")
+    scene = load_scene(text.replace('radius = "4 cm"', 'shape = "ellipse"\nsize = ["9 cm", "7 cm"]'))
+    ellipse = tmp_path / "ellipse.html"
+    assert save_alone(scene, ellipse, 1.0) < 500_000
+    _, now = asked(ellipse, ["go", {"steps": 3000}], ["now"])
+    x, y = np.array(now["x"]), np.array(now["y"])
+    assert np.all((x / 0.045) ** 2 + (y / 0.035) ** 2 < 1.0)
+    made = in_liquid(scene, offered(species_of(scene), GRID), GRID.usual)
+    each, found = wall_strengths(scene, made.floats), numbers._strengths(wall_strengths(scene, made.floats))
+    there = np.array([value is not None for value in found["strength"]])
+    product = np.outer(found["shares"], np.array(found["strength"], float)[there])
+    assert product == pytest.approx(each[:, there], rel=1e-14)
+    assert np.ptp(found["shares"]) > 0.1
+
+
+@with_node
 def test_a_dish_can_be_emptied_and_filled(page):
     _, none, _, one = asked(page, ["empty"], ["now"], ["drop", {"name": "bubble", "x": 0.0, "y": 0.0}], ["now"])
     assert none["x"] == []

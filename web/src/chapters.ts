@@ -41,7 +41,8 @@ export interface Filled {
 }
 
 interface InDish {
-  strength: number[][]; // of each wall, by kinds
+  strength: number[]; // of the strongest wall, by kinds (J)
+  shares: number[]; // of each wall in it
   swing: number; // rad/s
   current: number; // s^2: velocity of the liquid over the rate of its slope times gravity
   slots: Slot[];

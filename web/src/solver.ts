@@ -79,14 +79,14 @@ export class Bowl {
   /** Memory for the floats there are, at their places. */
   private begin(): void {
     const { filled, floats, compiled } = this;
-    const { slots, strength } = this.inDish;
+    const { slots, strength, shares } = this.inDish;
     const kinds = floats.map(([species]) => this.kind(species));
     const { time, decay, gain, mobility } = this.kick;
     const memory = new Floats(compiled, slots, floats.length);
     for (const [name, values] of Object.entries(filled.kinds)) {
       memory.put(`parameters.floats.${name}`, kinds.map((kind) => values[kind]!));
     }
-    memory.put("parameters.wall_strength", strength.flatMap((wall) => kinds.map((kind) => wall[kind])));
+    memory.put("parameters.wall_strength", shares.flatMap((share) => kinds.map((kind) => share * strength[kind])));
     memory.put("parameters.floats.species", floats.map(([species]) => species));
     memory.put("parameters.time_step", [time]);
     memory.put("parameters.kick.decay", kinds.map((kind) => decay[kind]));

@@ -31,6 +31,7 @@ from ecume.show.floating.bowl import view_of
 from ecume.show.play.bowl import FASTEST, SHELF, Bowl, slosh_frequency
 from ecume.show.play.memory import arguments_of, slots
 from ecume.show.style import liquid_color
+from ecume.units import Array
 
 ROOM = 120
 """Floats that a page has room for."""
@@ -222,12 +223,23 @@ def numbers_of(
 def _dish_numbers(scene: FloatingScene, parameters: Parameters, floats: Floats) -> dict[str, Any]:
     swing = slosh_frequency(scene)
     return {
-        "strength": [_numbers(row) for row in wall_strengths(scene, floats)],
+        **_strengths(wall_strengths(scene, floats)),
         "swing": swing,
         "current": scene.gravity / swing**2,
         "slots": layout(parameters),
         "toml": _without_floats(to_toml(dataclasses.replace(scene, rows=(), particles=scene.particles[:1]))),
     }
+
+
+def _strengths(each: Array) -> dict[str, Any]:
+    """The strength of the strongest wall for each kind, and the shares of all walls in it: a strength is a product of
+    one factor of the wall and one of the float. An ellipse has so many walls that all products would be too much.
+    """
+    strongest = int(np.argmax(np.max(np.nan_to_num(np.abs(each)), axis=1, initial=0.0)))  # NaN: kinds that sink
+    row = each[strongest]
+    kind = int(np.argmax(np.nan_to_num(np.abs(row))))
+    shares = each[:, kind] / row[kind] if row[kind] else np.ones(len(each))
+    return {"strength": _numbers(row), "shares": shares.tolist()}
 
 
 def _without_floats(text: str) -> str:
