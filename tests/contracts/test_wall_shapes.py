@@ -10,11 +10,12 @@ import pytest
 from tests.contracts.test_laws import ROOT
 from tests.models.floating.bowls import WATER, scene_of
 
-from ecume.engine.walls import surfaces, wall_count, wall_distance
-from ecume.errors import SceneError
+from ecume.engine.walls import rings, wall_count
+from ecume.engine.walls.rings import wall_distance
+from ecume.errors import BadInput, SceneError
 from ecume.models import MODELS
 from ecume.models.floating import dishes
-from ecume.models.floating.dishes import FACING, OVAL, ROUND, SHAPES, outline_of, walls_of
+from ecume.models.floating.dishes import BETWEEN_ROUND, FACING, OVAL, ROUND, SHAPES, outline_of, walls_of
 from ecume.models.floating.forces.pair_forces import add_wall_forces, sum_of_wall_energies
 from ecume.show.figures import FIGURES
 from ecume.show.movies import FILMS
@@ -27,17 +28,19 @@ from ecume.simulation import simulate
 FLOATING = MODELS["floating"]
 SIZES = {"radius": "0.02", "size": "[0.04, 0.03]", "vertices": "[[-0.02, -0.015], [0.025, -0.015], [-0.01, 0.025]]"}
 """A dish of each key."""
+MORE = {"ring": "inner_radius = 0.002\n"}
+"""Further keys that a shape needs."""
 RADIUS = 1e-3
 KNOWN = [name for name, row in SHAPES.items() if row.meniscus is not None]
 LAWS = [(name, law) for name in KNOWN for law in SHAPES[name].meniscus.laws if law not in ("none", "two-point-legacy")]
-PLACES = [(0.0, 0.0), (0.004, 0.003), (-0.009, 0.002), (0.001, -0.011), (0.0113, 0.0011)]
+PLACES = [(0.0028, -0.0004), (0.004, 0.003), (-0.009, 0.002), (0.001, -0.011), (0.0113, 0.0011)]
 
 each_shape = pytest.mark.parametrize("name", SHAPES)
 
 
 def scene_in(name, floats, *, dish='law = "none"', hydrodynamics='drag = "none"', **times):
     """Floats without mutual forces in a dish of this shape."""
-    size = f'shape = "{name}"\n{SHAPES[name].key} = {SIZES[SHAPES[name].key]}\n'
+    size = f'shape = "{name}"\n{SHAPES[name].key} = {SIZES[SHAPES[name].key]}\n{MORE.get(name, "")}'
     spec = f"[[particles]]\nradius = {RADIUS}\ndensity = 600.0\ncontact_angle = 1.2\n{floats}\n"
     rest = f'[interaction]\nlaw = "none"\n[hydrodynamics]\n{hydrodynamics}\n[contacts]\nrestitution = 1.0\n'
     return scene_of(f"{WATER}{spec}[dish]\n{size}{dish}\n{rest}", **times)
@@ -46,9 +49,9 @@ def scene_in(name, floats, *, dish='law = "none"', hydrodynamics='drag = "none"'
 def inside(walls, count=20, seed=3):
     """Points inside, at some distance from walls."""
     chance = np.random.default_rng(seed)
-    low, high = surfaces.bounds(walls)
+    low, high = rings.bounds(walls)
     points = chance.uniform(low, high, (40 * count, 2))
-    return [point for point in points if min(surfaces.clearances(walls, point)) > RADIUS][:count]
+    return [point for point in points if min(rings.clearances(walls, point)) > RADIUS][:count]
 
 
 @each_shape
@@ -70,7 +73,7 @@ def test_floats_start_inside_and_a_start_in_a_wall_is_refused(name):
     scene = scene_in(name, "count = 40")
     walls = walls_of(scene.dish)
     for place in next(simulate(scene)).arrays["position"]:
-        assert min(surfaces.clearances(walls, place)) >= RADIUS
+        assert min(rings.clearances(walls, place)) >= RADIUS
     far = 0.999 * outline_of(scene.dish)[0]
     with pytest.raises(SceneError, match="not inside the dish"):
         list(simulate(scene_in(name, f"positions = [{far.tolist()}]")))
@@ -82,12 +85,12 @@ def test_a_float_thrown_at_each_wall_stays_inside_and_keeps_its_energy(name):
     angles = np.linspace(0.3, 2.0 * math.pi + 0.3, 8, endpoint=False)
     for angle in angles:
         velocity = [0.2 * math.cos(angle), 0.2 * math.sin(angle)]
-        floats = f"positions = [[0.001, -0.002]]\nvelocity = {velocity}"
+        floats = f"positions = [[0.003, -0.004]]\nvelocity = {velocity}"
         dish = 'law = "none"\nrestitution = 1.0'
         frames = list(simulate(scene_in(name, floats, dish=dish, duration=0.4, frame_every=0.02)))
         energy = [frame.numbers["kinetic_energy"] for frame in frames]
         assert energy == pytest.approx([energy[0]] * len(energy), rel=1e-9)
-        deepest = min(min(surfaces.clearances(walls, frame.arrays["position"][0])) for frame in frames)
+        deepest = min(min(rings.clearances(walls, frame.arrays["position"][0])) for frame in frames)
         assert deepest > (1.0 - 1e-3) * RADIUS
         assert sum(frame.numbers["collisions"] for frame in frames) >= 2
 
@@ -130,7 +133,8 @@ def test_a_meniscus_that_is_not_known_is_refused_with_the_reason(name, asked):
 
 
 def test_the_kinds_of_menisci_are_those_of_the_rows():
-    assert [SHAPES[name].meniscus for name in ("round", "rectangle", "ellipse")] == [ROUND, FACING, OVAL]
+    kinds = {"round": ROUND, "ring": BETWEEN_ROUND, "rectangle": FACING, "ellipse": OVAL}
+    assert {name: SHAPES[name].meniscus for name in kinds} == kinds
 
 
 @each_shape
@@ -148,7 +152,9 @@ def test_movies_plots_and_the_page_draw_it(name):
     stage = STAGES["floating"](scene, frames)
     assert stage.lines[0].points == pytest.approx(outline)
     walls = walls_of(scene.dish)
-    assert len(stage.surface.walls) + (stage.surface.round > 0.0) == wall_count(walls)
+    inner = rings.inner_outline(walls)
+    assert len(stage.surface.walls) + (stage.surface.round > 0.0) + len(inner) == wall_count(walls)
+    assert len(stage.lines) == 1 + len(inner)
     shown = stage.heights(frames[-1])
     assert shown.shape == (stage.surface.rows, stage.surface.columns)
     assert np.isfinite(shown).all()
@@ -157,6 +163,10 @@ def test_movies_plots_and_the_page_draw_it(name):
 @each_shape
 def test_one_can_play_with_it(name):
     scene = scene_in(name, "count = 3", duration=0.1, frame_every=0.05, hydrodynamics="")
+    if name in MORE:
+        with pytest.raises(BadInput, match="without an inner wall"):
+            Game(scene)
+        return
     game = Game(scene)
     game.drop("bead", 0.0, 0.0)
     game.tilt = (0.1, 0.0)
@@ -168,7 +178,7 @@ def test_one_can_play_with_it(name):
     assert page.now()["surface"]
 
 
-@each_shape
+@pytest.mark.parametrize("name", [name for name in SHAPES if name not in MORE])
 def test_a_size_under_another_key_is_refused(name):
     scene = scene_in(name, "count = 1")
     key = next(key for key in SIZES if key != SHAPES[name].key)
@@ -202,7 +212,7 @@ def test_floats_in_a_triangle_keep_their_energy_and_stay_inside():
         frames[step] = list(simulate(scene.replace("integration.time_step", step)))
         walls = walls_of(scene.dish)
         for frame in frames[step]:
-            nearest = min(min(surfaces.clearances(walls, place)) for place in frame.arrays["position"])
+            nearest = min(min(rings.clearances(walls, place)) for place in frame.arrays["position"])
             assert nearest > RADIUS * (1.0 - 1e-3)
     fine, coarse = ([frame.numbers["kinetic_energy"] for frame in each] for each in frames.values())
     assert frames[1e-3][-1].numbers["collisions"] > 100

@@ -16,6 +16,7 @@ from ecume.analysis.boxes import Box, Integers, box_of, copies, nearest
 from ecume.analysis.clusters import Clusters
 from ecume.analysis.series import inside
 from ecume.engine.walls import Walls
+from ecume.engine.walls.rings import inner_radius_of, outer_walls
 from ecume.engine.walls.surfaces import outline
 from ecume.errors import BadInput
 from ecume.trajectories.frame import Frame
@@ -72,12 +73,14 @@ class Region(NamedTuple):
     size: tuple[Length, Length] = (0.0, 0.0)
     corners: tuple[tuple[Length, Length], ...] = ()
     periodic: bool = False
+    inner_radius: Length = 0.0
+    """of a disc without its middle"""
 
     @property
     def area(self) -> float:
         """The area of the region (m^2)."""
         if self.radius > 0.0:
-            return float(np.pi * self.radius**2)
+            return float(np.pi * (self.radius**2 - self.inner_radius**2))
         x, y = self._polygon().T
         return 0.5 * float(np.sum(x * np.roll(y, -1) - np.roll(x, -1) * y))
 
@@ -107,9 +110,9 @@ class Region(NamedTuple):
         if self.periodic:
             return np.full_like(shift, self.area)
         if self.radius > 0.0:
-            half = np.minimum(shift / (2.0 * self.radius), 1.0)
-            lens = 2.0 * self.radius**2 * (np.arccos(half) - half * np.sqrt(1.0 - half**2))
-            return np.asarray(lens)
+            outer, inner = self.radius, self.inner_radius
+            whole = lens(shift, outer, outer)
+            return whole if inner == 0.0 else whole - 2.0 * lens(shift, outer, inner) + lens(shift, inner, inner)
         side = self._sides()[1]
         before = np.roll(side, 1, axis=0)
         across, along = before[:, 0] * side[:, 1] - before[:, 1] * side[:, 0], (before * side).sum(axis=1)
@@ -128,8 +131,29 @@ class Region(NamedTuple):
         return start, np.roll(start, -1, axis=0) - start
 
 
+def lens(apart: Array, one: Length, other: Length) -> Array:
+    """The common area of two circles with these radii, whose centers are this far apart (m^2).
+
+    >>> round(float(lens(np.array(0.5), 2.0, 1.0)) / np.pi, 12), float(lens(np.array(3.0), 2.0, 1.0))
+    (1.0, 0.0)
+    """
+    small, large = min(one, other), max(one, other)
+    # Where circles intersect, between the distances at which one contains the other and at which they touch.
+    d = np.clip(apart, max(large - small, 1e-300), large + small)
+    angles = [
+        np.arccos(np.clip((d**2 + r**2 - s**2) / (2.0 * d * r), -1.0, 1.0)) for r, s in ((small, large), (large, small))
+    ]
+    sectors = small**2 * angles[0] + large**2 * angles[1]
+    # Twice the triangle of both centers and an intersection.
+    square = (large + small - d) * (d + small - large) * (d - small + large) * (d + small + large)
+    return np.asarray(sectors - 0.5 * np.sqrt(np.maximum(square, 0.0)))
+
+
 def region_in(walls: Walls) -> Region:
     """The region that walls enclose."""
+    inner, walls = inner_radius_of(walls), outer_walls(walls)
+    if inner > 0.0:
+        return Region(radius=walls.disc_radius, inner_radius=inner)
     if len(walls.offset):
         return Region(corners=tuple((float(x), float(y)) for x, y in outline(walls)))
     return Region(radius=walls.disc_radius)

@@ -10,7 +10,8 @@ import numpy as np
 
 from ecume._jit import compiled
 from ecume.engine.cells import Integers, nearest, no_periods, periods_of
-from ecume.engine.walls import Walls, surfaces, wall_count, wall_distance
+from ecume.engine.walls import Walls, rings, wall_count
+from ecume.engine.walls.rings import wall_distance
 from ecume.errors import BadInput
 from ecume.units import Array
 
@@ -104,7 +105,7 @@ def _most_tries(count: int) -> int:
 def _covered(radii: Array, region: Region) -> float:
     """The area of the discs over the area of the region."""
     area = (region.high[0] - region.low[0]) * (region.high[1] - region.low[1])
-    return math.pi * float((radii**2).sum()) / min(area, surfaces.area(region.walls))
+    return math.pi * float((radii**2).sum()) / min(area, rings.area(region.walls))
 
 
 def _overfull(radii: Array, start: int, region: Region) -> str:
@@ -162,7 +163,7 @@ def lattice_room(count: int, spacing: float, radius: float, region: Region) -> i
     """
     middle = (0.5 * (region.low[0] + region.high[0]), 0.5 * (region.low[1] + region.high[1]))
     for number, (x, y) in enumerate(place_on_lattice(count, spacing, middle)):
-        if any(distance < radius for distance in surfaces.clearances(region.walls, (x, y))):
+        if any(distance < radius for distance in rings.clearances(region.walls, (x, y))):
             return number
     return count
 

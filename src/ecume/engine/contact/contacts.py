@@ -15,7 +15,8 @@ from ecume._jit import compiled, compiled_inside
 from ecume.engine.cells import Integers, nearest
 from ecume.engine.contact.active_set import numbered
 from ecume.engine.contact.islands import Choice, Islands, islands_among
-from ecume.engine.walls import Walls, wall_count, wall_distance
+from ecume.engine.walls import Walls, wall_count
+from ecume.engine.walls.rings import wall_distance
 from ecume.units import Array
 
 MOST_ROUNDS = 20_000

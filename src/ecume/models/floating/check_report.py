@@ -69,6 +69,9 @@ FEWEST_IN_RAFT = 3
 ARRAYS, NUMBERS = {"position": 2, "velocity": 2}, 16
 """The components of the variable arrays of a frame, and the number of its numbers."""
 
+OVERLAPS = 4.0
+"""The distance of two walls, in capillary lengths, below which each raises the liquid at the other by over 2 %."""
+
 Row = tuple[str, str, str]
 
 
@@ -126,8 +129,14 @@ def _summary_of_cell(parameters: Parameters) -> list[Row]:
 
 
 def _summary_of_dish(scene: FloatingScene) -> list[Row]:
-    """The tilt of a dish, and the contact angles at which upright walls would meet the liquid alike."""
-    if scene.dish is None or scene.dish.tilt is None:
+    """The width of a ring, and the tilt of a dish with the contact angles at which upright walls would act alike."""
+    if scene.dish is None:
+        return []
+    if scene.dish.inner_radius is not None and scene.dish.radius is not None:
+        width, length = scene.dish.radius - scene.dish.inner_radius, liquid_of(scene).capillary_length
+        remark = "the menisci of both walls overlap" if width < OVERLAPS * length else "each wall has its own meniscus"
+        return [("channel of the ring", with_prefix(width, "m"), f"{width / length:.3g} capillary lengths: {remark}")]
+    if scene.dish.tilt is None:
         return []
     angle, tilt = math.degrees(scene.dish.contact_angle), math.degrees(scene.dish.tilt.angle)
     alike = f"walls act as upright ones with contact angles from {angle - tilt:.4g} to {angle + tilt:.4g} deg"

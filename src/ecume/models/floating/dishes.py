@@ -1,6 +1,7 @@
 """The shapes of dishes, and the menisci at their walls: heights, and forces on floats, also for compiled code.
 
-There are four kinds of menisci, one record each: inside a round wall (`ROUND`), between two pairs of facing walls
+There are five kinds of menisci, one record each: inside a round wall (`ROUND`), between two round walls
+(`BETWEEN_ROUND`), between two pairs of facing walls
 (`FACING`, and `LEANING` in a tilted dish), and along the tangents of an ellipse (`OVAL`), which is also the cut of a
 tilted round dish by the level surface. Compiled code selects a law by its number.
 
@@ -23,9 +24,10 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from ecume._jit import admit, compiled_inside
-from ecume.engine.walls import Surfaces, Walls, enclosed_by, no_walls, surfaces, wall_count, wall_distance
+from ecume.engine.walls import Surfaces, Walls, enclosed_by, no_walls, rings, surfaces, wall_count
+from ecume.engine.walls.rings import is_inner, wall_distance
 from ecume.errors import BadInput
-from ecume.laws import capillarity, flotation, meniscus, special
+from ecume.laws import capillarity, flotation, meniscus, ring_meniscus, special
 from ecume.laws.capillarity import (
     dish_energy,
     dish_force,
@@ -34,6 +36,7 @@ from ecume.laws.capillarity import (
     two_point_legacy_energy,
     two_point_legacy_force,
 )
+from ecume.laws.ring_meniscus import inner_wall_energy, inner_wall_force
 from ecume.models.floating.options import scene_error
 from ecume.models.floating.parameters import CAPILLARY_LENGTH, Floats, Parameters
 from ecume.models.liquids import liquid_of
@@ -42,11 +45,11 @@ from ecume.units import Array
 if TYPE_CHECKING:
     from ecume.scenes.floating import DishSpec, FloatingScene
 
-admit(special, capillarity)
+admit(special, capillarity, ring_meniscus)
 
-NO_WALL_LAW, DISH, LEGACY_DISH, PLANE, TABLED = range(5)
+NO_WALL_LAW, DISH, LEGACY_DISH, PLANE, TABLED, RING = range(6)
 """Laws of walls in compiled code: no meniscus; the far field of `meniscus` and `linear` in a round dish; that of
-`two-point-legacy`; the far field at plane walls; a table, for exact profiles and images.
+`two-point-legacy`; the far field at plane walls; a table, for exact profiles and images; the far field in a ring.
 """
 HEIGHT, IMAGE = 2, 4
 """Rows of a table: each of these two, and its slope over ln(d) below it. Row 0 starts with ln(d) of the first node and
@@ -62,13 +65,15 @@ def acts(parameters: Parameters) -> bool:
 
 def is_far_field(wall_law: int) -> bool:
     """Whether the walls have the meniscus of superposition without images, or no meniscus, as other methods require."""
-    return wall_law in (NO_WALL_LAW, DISH, PLANE)
+    return wall_law in (NO_WALL_LAW, DISH, PLANE, RING)
 
 
 def wall_stiffness(parameters: Parameters) -> float:
     """The largest |dF/dd| of the walls on any float (N/m), at the smallest possible distance."""
     if parameters.wall_law == PLANE and wall_count(parameters.walls) > APART:
         return _stiffness_together(parameters)
+    if parameters.wall_law == RING:
+        return _stiffness_in_ring(parameters)
     strongest = float(np.max(np.abs(parameters.wall_strength), initial=0.0))
     if parameters.wall_law != TABLED:
         return strongest / float(parameters.pair[CAPILLARY_LENGTH]) ** 2
@@ -79,6 +84,18 @@ def wall_stiffness(parameters: Parameters) -> float:
         force = parameters.wall_table[row + 1] / distance
         stiffness += strength * float(np.max(np.abs(np.gradient(force, distance)[near])))
     return stiffness
+
+
+def _stiffness_in_ring(parameters: Parameters) -> float:
+    """The largest |dF/dd| at the outer wall, and beside the inner one, where it is that of K1, K0 + K1/r, in lengths
+    of L.
+    """
+    length = float(parameters.pair[CAPILLARY_LENGTH])
+    outer, inner = np.abs(parameters.wall_strength).max(axis=1, initial=0.0).tolist()
+    b = rings.inner_radius_of(parameters.walls) / length
+    x = b + float(np.min(parameters.floats.radius)) / length
+    bent = special.scaled_bessel_k0(x) + special.scaled_bessel_k1(x) / x
+    return float(outer + inner * bent / special.scaled_bessel_k1(b) * math.exp(b - x)) / length**2
 
 
 APART = 4
@@ -112,6 +129,10 @@ def wall_force(
         mirrored = parameters.image_strength * charge * charge
         away = -strength * tabled(parameters.wall_table, HEIGHT, distance)[1]
         away -= mirrored * tabled(parameters.wall_table, IMAGE, distance)[1]
+    elif parameters.wall_law == RING and is_inner(walls, number):
+        away = inner_wall_force(math.sqrt(x * x + y * y), strength, length, walls.offset[-1])
+    elif parameters.wall_law == RING:
+        away = dish_force(math.sqrt(x * x + y * y), strength, length, walls.disc_radius)
     else:
         away = two_point_legacy_force(math.sqrt(x * x + y * y), strength, length, walls.disc_radius)
     return away, inward_x, inward_y
@@ -134,6 +155,10 @@ def wall_energy(
         mirrored = parameters.image_strength * charge * charge
         height, image = tabled(parameters.wall_table, HEIGHT, distance), tabled(parameters.wall_table, IMAGE, distance)
         return strength * height[0], mirrored * image[0]
+    if parameters.wall_law == RING and is_inner(walls, number):
+        return inner_wall_energy(math.sqrt(x * x + y * y), strength, length, walls.offset[-1]), 0.0
+    if parameters.wall_law == RING:
+        return dish_energy(math.sqrt(x * x + y * y), strength, length, walls.disc_radius), 0.0
     return two_point_legacy_energy(math.sqrt(x * x + y * y), strength, length, walls.disc_radius), 0.0
 
 
@@ -365,6 +390,43 @@ OVAL = Meniscus(
     None,
     mirrors=False,
 )
+
+
+def _radii(dish: DishSpec) -> tuple[float, float]:
+    assert dish.inner_radius is not None  # noqa: S101  # the shape requires it
+    return _radius(dish), dish.inner_radius
+
+
+def _angles(dish: DishSpec) -> tuple[float, float]:
+    inner = dish.inner_contact_angle
+    return dish.contact_angle, dish.contact_angle if inner is None else inner
+
+
+def _ring_amplitudes(dish: DishSpec, liquid: flotation.Liquid, theory: str) -> list[float]:
+    return list(ring_meniscus.ring_amplitudes(_radii(dish), _angles(dish), liquid, theory))
+
+
+def _ring_field(dish: DishSpec, liquid: flotation.Liquid, x: Array, y: Array) -> Array:
+    outer, inner = _radii(dish)
+    # Interpolated between radii, since each height takes Bessel functions.
+    r = np.linspace(inner, outer, RADII)
+    height = np.asarray(ring_meniscus.ring_height(r, (outer, inner), _angles(dish), liquid))
+    return np.asarray(np.interp(np.hypot(x, y[:, None]), r, height))
+
+
+RADII = 400
+"""The number of radii at which the height in a ring is computed for pictures."""
+BETWEEN_ROUND = Meniscus(
+    {"meniscus": RING, "linear": RING, "none": NO_WALL_LAW},
+    _ring_amplitudes,
+    _ring_amplitudes,
+    lambda dish, liquid, largest: _radius(dish),
+    _plane_heights,
+    _plane_images,
+    _ring_field,
+    None,
+    mirrors=False,
+)
 LEANING = FACING._replace(
     laws={name: law for name, law in FACING.laws.items() if law != TABLED}, multipoles=None, mirrors=False
 )
@@ -386,7 +448,8 @@ def law_of(dish: DishSpec, found: Meniscus) -> int:
     if dish.image == "none":
         return code
     if not found.mirrors:
-        where = "an ellipse" if dish.tilt is None else "a tilted dish"
+        named = {"ellipse": "an ellipse", "ring": "a ring"}
+        where = "a tilted dish" if dish.tilt is not None else named[name_of(dish)]
         raise scene_error(
             "dish.image", f"got {dish.image!r} in {where}; expected 'none': no image at its wall is known"
         )
@@ -487,7 +550,7 @@ class Shape(NamedTuple):
     """the reason if they are not known"""
     tilted: Meniscus | None = None
     """the menisci at the walls of a tilted dish"""
-    wavenumber: Callable[[Walls], float] = lambda walls: FIRST_MODE * math.sqrt(math.pi / surfaces.area(walls))
+    wavenumber: Callable[[Walls], float] = lambda walls: FIRST_MODE * math.sqrt(math.pi / rings.area(walls))
     """of the first sloshing mode (1/m). Default: that of a circle of the same area, the largest for that area"""
 
 
@@ -499,6 +562,7 @@ SHAPES = {
         tilted=OVAL,
         wavenumber=lambda walls: FIRST_MODE / walls.disc_radius,
     ),
+    "ring": Shape("radius", lambda radius: surfaces.disc((0.0, 0.0), radius), BETWEEN_ROUND),
     "rectangle": Shape(
         "size",
         lambda size: surfaces.box((-0.5 * size[0], -0.5 * size[1]), (0.5 * size[0], 0.5 * size[1])),
@@ -522,7 +586,7 @@ UNNAMED = {"radius": "round", "size": "rectangle", "vertices": "polygon"}
 def name_of(dish: DishSpec) -> str:
     """The name of the shape of a dish. Raises SceneError for an unknown name, or a wrong key for the size."""
     given = next(key for key in UNNAMED if getattr(dish, key) is not None)
-    name = dish.shape or UNNAMED[given]
+    name = dish.shape or ("ring" if dish.inner_radius is not None else UNNAMED[given])
     if name not in SHAPES:
         raise scene_error("dish.shape", f"got {name!r}; expected one of {', '.join(map(repr, SHAPES))}")
     if SHAPES[name].key != given:
@@ -543,6 +607,8 @@ def walls_of(dish: DishSpec | None) -> Walls:
         walls = enclosed_by(ellipse(_axes(dish)) if flat else row.surfaces(getattr(dish, row.key)))
     except BadInput as fault:
         raise scene_error(f"dish.{row.key}", str(fault)) from fault
+    if dish.inner_radius is not None:
+        return rings.ring(walls, dish.inner_radius)
     return walls if dish.tilt is None else _cut_level(walls, tilt_of(dish))
 
 
@@ -558,8 +624,8 @@ def _cut_level(walls: Walls, tilt: meniscus.Tilt) -> Walls:
 
 
 def outline_of(dish: DishSpec) -> Array:
-    """The edge of the dish as points of a polygon, counterclockwise, (n, 2) m."""
-    return surfaces.outline(walls_of(dish))
+    """The outer edge of the dish as points of a polygon, counterclockwise, (n, 2) m."""
+    return rings.outline(walls_of(dish))
 
 
 def sloshing_wavenumber(dish: DishSpec) -> float:

@@ -10,7 +10,8 @@ import numpy as np
 from ecume._jit import compiled
 from ecume.engine.cells import Integers, images_in, into_box
 from ecume.engine.contact.contacts import Candidates, apart
-from ecume.engine.walls import Walls, wall_count, wall_distance
+from ecume.engine.walls import Walls, wall_count
+from ecume.engine.walls.rings import wall_distance
 from ecume.laws.moving_dish import sway_place
 from ecume.models.floating.contacts.contact_models import contacts_of, gaps_between
 from ecume.models.floating.forces.barrier import with_walls_of

@@ -73,6 +73,7 @@ CAPABILITIES: dict[str, tuple[str, str]] = {
     "multipoles": ("wall", "a wall whose meniscus is that of the surface"),
     "open": ("boundary", "a dish or an infinite surface"),
     "bounded": ("boundary", "a dish or a periodic cell"),
+    "outer walls": ("boundary", "walls that bend away from floats"),
 }
 """For each capability, the slot of the option that has it, and a phrase for messages."""
 

@@ -262,11 +262,14 @@ class DishSpec:
     """A dish around the origin. A scene without a dish has an unbounded surface."""
 
     shape: LawName | None = None
-    """The shape of the dish: `round`, `rectangle`, `ellipse` or `polygon`; by default the one whose size is given, of a
-    `size` the rectangle. Effect: determines where the wall is."""
+    """The shape of the dish: `round`, `ring`, `rectangle`, `ellipse` or `polygon`; by default the one whose size is
+    given, of a `size` the rectangle. Effect: determines where the wall is."""
     radius: Size | None = None
-    """The radius of a round dish (m); either this, `size` or `vertices`. Effect: a larger dish lengthens the times
-    until floats meet."""
+    """The radius of a round dish, or of the outer wall of a ring (m); either this, `size` or `vertices`. Effect: a
+    larger dish lengthens the times until floats meet."""
+    inner_radius: Size | None = None
+    """The radius of the inner wall of a ring around the origin (m), less than `radius`. Example: `"1 cm"`. Effect:
+    floats move in the channel between both walls."""
     size: tuple[Size, Size] | None = None
     """The width and height of a rectangular or elliptic dish, seen from above (m). Effect: a larger dish lengthens the
     times until floats meet."""
@@ -276,6 +279,9 @@ class DishSpec:
     contact_angle: WettingAngle = 0.7853981633974483
     """The contact angle of the liquid at the wall (rad). Effect: below 90 deg the liquid rises at the wall, which
     attracts light floats and repels heavy ones."""
+    inner_contact_angle: WettingAngle | None = None
+    """The contact angle of the liquid at the inner wall of a ring (rad); by default `contact_angle`. Example:
+    `"110 deg"`. Effect: below 90 deg the liquid rises at the inner wall."""
     law: LawName | None = None
     """The force of the meniscus of the wall: `meniscus`, `profile`, `linear`, `two-point-legacy` or `none`; by
     default that of the theory. Effect: `none` leaves a wall that only reflects."""
@@ -309,9 +315,33 @@ class DishSpec:
                 [((), f"expected one of radius, size and vertices; got {' and '.join(given) or 'none'}")]
             )
         _require_rubbing(self)
+        if complaints := _ring_faults(self):
+            raise Inconsistent(complaints)
         if self.barrier is not None:
             _require_sides(self, self.barrier, given[0])
         return self
+
+
+def _ring_faults(dish: DishSpec) -> Complaints:
+    """The faults of a ring without an inner wall that fits, or that tilts or closes, and of other shapes with one."""
+    inner, shape = dish.inner_radius, dish.shape
+    if inner is None:
+        found: Complaints = []
+        if dish.inner_contact_angle is not None:
+            found.append((("inner_contact_angle",), "is that of the inner wall of a ring; expected inner_radius, too"))
+        if shape == "ring":
+            found.append((("inner_radius",), "is missing; expected the radius of the inner wall of the ring"))
+        return found
+    if dish.radius is None or shape not in (None, "ring"):
+        got = f"got a dish of the shape {shape!r}" if shape not in (None, "ring") else "got a dish without a radius"
+        return [(("inner_radius",), f"{got}; expected a ring, with radius and inner_radius")]
+    if not inner < dish.radius:
+        return [(("inner_radius",), f"got {inner:g} m; expected less than the radius, {dish.radius:g} m")]
+    if dish.tilt is not None:
+        return [(("tilt",), "got a tilted ring; expected an upright one: the inner wall would be cut along an ellipse")]
+    if dish.barrier is not None:
+        return [(("barrier",), "got a ring; expected a dish without an inner wall: a barrier would run into it")]
+    return []
 
 
 def _require_sides(dish: DishSpec, barrier: BarrierSpec, given: str) -> None:

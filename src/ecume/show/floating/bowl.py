@@ -17,7 +17,7 @@ from matplotlib.patches import Patch, Polygon
 
 from ecume.analysis.boxes import box_of, copies
 from ecume.analysis.series import Flags
-from ecume.engine.walls import surfaces
+from ecume.engine.walls import rings
 from ecume.models.floating.dishes import behind_barrier, outline_of, walls_of
 from ecume.show.floating.surface import (
     Heights,
@@ -77,7 +77,7 @@ def view_of(scene: Any, frames: Sequence[Frame]) -> View:
         margin = 2.0 * BESIDE * max(width, height)
         return view_around(0.5 * width, 0.5 * height, width + margin, height + margin)
     if scene.dish is not None:
-        (left, bottom), (right, top) = surfaces.bounds(walls_of(scene.dish))
+        (left, bottom), (right, top) = rings.bounds(walls_of(scene.dish))
         middle = 0.5 * (left + right), 0.5 * (bottom + top)
         whole = view_around(*middle, MARGIN * (right - left), MARGIN * (top - bottom))
         # Below a wall without round corners there is no space for the scale bar.
@@ -231,7 +231,7 @@ def _dish(axes: Axes, dish: Any, height: AxesImage) -> list[Artist]:
         return []
     rim = axes.add_patch(dish_outline(dish))
     height.set_clip_path(rim)
-    return [rim]
+    return [rim, *(axes.add_patch(patch) for patch in inner_walls(dish))]
 
 
 def _cell(axes: Axes, scene: Any) -> list[Artist]:
@@ -247,6 +247,12 @@ def dish_outline(dish: Any, scale: float = 1.0) -> Patch:
     """The rim of a dish, in meters or in multiples of `scale` meters."""
     look: dict[str, Any] = {"facecolor": "none", "edgecolor": RIM, "linewidth": 1.8}
     return Polygon(scale * outline_of(dish), closed=True, **look)
+
+
+def inner_walls(dish: Any, scale: float = 1.0) -> list[Patch]:
+    """What is inside the inner wall of a ring, in meters or in multiples of `scale` meters; none in other dishes."""
+    look: dict[str, Any] = {"facecolor": BEHIND, "edgecolor": RIM, "linewidth": 1.8}
+    return [Polygon(scale * points, closed=True, **look) for points in rings.inner_outline(walls_of(dish))]
 
 
 def _height_bar(axes: Axes, colors: ScalarMappable, shown: tuple[float, float], scale: Scale, tall: float) -> None:

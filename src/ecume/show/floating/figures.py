@@ -45,7 +45,7 @@ from ecume.analysis.structure import (
     whole,
 )
 from ecume.engine.stationarity import BLOCKS
-from ecume.engine.walls.surfaces import shrunk
+from ecume.engine.walls.rings import shrunk
 from ecume.errors import BadInput
 from ecume.laws.drag import schiller_naumann_factor
 from ecume.laws.pair_laws import PAIR_LAWS, PairLaw, PairParameters, Setting
@@ -67,7 +67,7 @@ from ecume.show.curves import (
     thinned,
     titled,
 )
-from ecume.show.floating.bowl import Bowl, dish_outline, view_of
+from ecume.show.floating.bowl import Bowl, dish_outline, inner_walls, view_of
 from ecume.show.picture import species, species_dots
 from ecume.show.style import INK, MUTED, PALETTE, binned, figure, legend_outside, plain, scale_for, style
 from ecume.trajectories.frame import Frame
@@ -500,7 +500,8 @@ def paths(frames: Frames, scene: Any) -> Figure:
         axes.add_collection(LineCollection(lines, colors=MUTED, linewidths=0.9, alpha=0.8))
         axes.scatter(begin[:, 0], begin[:, 1], s=9, facecolors="white", edgecolors=INK, linewidths=0.6, zorder=3)
         if scene.dish is not None:
-            axes.add_patch(dish_outline(scene.dish, scale.factor))
+            for patch in (dish_outline(scene.dish, scale.factor), *inner_walls(scene.dish, scale.factor)):
+                axes.add_patch(patch)
         if len(kinds) > 1:
             axes.legend(handles=species_dots(kinds), loc="upper left", bbox_to_anchor=(1.01, 1.0), borderaxespad=0.0)
     return drawn

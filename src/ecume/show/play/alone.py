@@ -41,6 +41,8 @@ def refusal(scene: Any) -> str:
         return f"{simulated}; got the model {scene.model!r}. `ecume view RUN` plays a run of it"
     if scene.dish is None:
         return 'a page simulates floats in a dish; write [dish] with radius = "4 cm", or play a run: `ecume view RUN`'
+    if scene.dish.inner_radius is not None:
+        return "a page tilts a dish without an inner wall; got a ring. `ecume view RUN` plays a run of it"
     if scene.dish.tilt is not None:
         return "a page tilts the dish itself; got a tilted dish. `ecume view RUN` plays a run of it"
     if any(one.disc or one.shape or one.surface_energies or one.magnetic_moment or isinstance(one.contact_angle, str)

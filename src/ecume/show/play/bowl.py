@@ -20,7 +20,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ecume.engine.walls import surfaces
+from ecume.engine.walls import rings
 from ecume.errors import BadInput, Diverged, SceneError
 from ecume.laws.water_waves import wave_frequency
 from ecume.models import MODELS
@@ -122,6 +122,8 @@ class Bowl:
             raise BadInput("got a dish with a barrier; expected sides at rest: a game starts its scene at each change")
         if scene.dish.tilt is not None:
             raise BadInput("got a tilted dish; expected no dish.tilt: a game tilts the dish itself, and it sloshes")
+        if scene.dish.inner_radius is not None:
+            raise BadInput("got a ring; expected a dish without an inner wall: liquid sloshes around it, not across")
         self.hand: Hand | None = None
         self.slosh, self.tilt = Slosh(), (0.0, 0.0)
         self.time, self.calmed, self.news = 0.0, -math.inf, list[str]()
@@ -292,7 +294,7 @@ class Bowl:
 
 
 def _inside(dish: Any, place: tuple[float, float], radius: float) -> bool:
-    return min(surfaces.clearances(walls_of(dish), place)) > ROOM * radius
+    return min(rings.clearances(walls_of(dish), place)) > ROOM * radius
 
 
 def placed(scene: FloatingScene, position: Array, velocity: Array, species: Array) -> FloatingScene:

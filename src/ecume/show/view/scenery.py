@@ -11,7 +11,7 @@ import numpy as np
 
 from ecume.analysis.boxes import box_of
 from ecume.analysis.pressures import with_pressures
-from ecume.engine.walls import surfaces
+from ecume.engine.walls import rings
 from ecume.models.floating.dishes import behind_barrier, walls_of
 from ecume.models.sph.setup.choices import free_surface, pressure_of
 from ecume.scenes.soft.scene import SIDES as WALL_SIDES
@@ -329,7 +329,7 @@ def floating_stage(scene: Any, sample: Sequence[Frame]) -> Stage:
     tint = liquid_color(scene.liquid)
     colors = height_colors(largest * scale.factor, typical_meniscus(sample[0], on) * scale.factor, tint)
     shown, ticks = _marks(colors.norm, scale.factor * float(heights.min()), scale.factor * float(heights.max()))
-    shapes, walls = on.shapes, walls_of(scene.dish)
+    shapes, walls = on.shapes, rings.outer_walls(walls_of(scene.dish))
     drawn = Surface(
         len(on.x), len(on.y), (view.left, view.right, view.bottom, view.top),
         np.column_stack([walls.normal, walls.offset]).tolist(),
@@ -363,7 +363,11 @@ def _moving_outlines(scene: Any, shapes: Any) -> Any:
 def _borders(scene: Any) -> list[Line]:
     """The rim of the dish, or the outline of the periodic cell."""
     if scene.dish is not None:
-        return [Line(surfaces.outline(walls_of(scene.dish)), closed=True)]
+        walls = walls_of(scene.dish)
+        return [
+            Line(rings.outline(walls), closed=True),
+            *(Line(one, closed=True) for one in rings.inner_outline(walls)),
+        ]
     if scene.cell is None:
         return []
     return [Line(rectangle(np.zeros(2), np.array(scene.sides)), dashed=True)]

@@ -36,7 +36,8 @@ from ecume.engine.contact import contacts as touching
 from ecume.engine.contact.contacts import Contacts
 from ecume.engine.contact.event_queue import EventQueue, make_event_queue, schedule
 from ecume.engine.philox import counter_of, counter_of_pair, normals, uniforms
-from ecume.engine.walls import is_circle, wall_distance
+from ecume.engine.walls import is_circle
+from ecume.engine.walls.rings import is_inner, wall_distance
 from ecume.laws import brownian_motion, pair_mobility
 from ecume.laws.brownian_motion import reflected_gain, reflected_gap
 from ecume.laws.pair_mobility import rotne_prager
@@ -417,6 +418,9 @@ def time_of_wall(parameters: Parameters, state: State, paths: Paths, i: int, num
             return math.inf
         ahead = (math.sqrt(max(outward * outward + square * room, 0.0)) - outward) / square
         return float(paths.since[i] + max(ahead, 0.0))
+    if is_inner(walls, number):
+        touch = walls.offset[-1] + parameters.floats.radius[i]
+        return float(paths.since[i] + first_root(x * u + y * v, x * x + y * y - touch**2, u * u + v * v))
     distance, in_x, in_y = wall_distance(walls, number, x, y)
     closing = -(u * in_x + v * in_y)
     return (

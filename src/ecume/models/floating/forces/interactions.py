@@ -213,6 +213,7 @@ INTERACTIONS = {
             "superposed": "its charges are superposed",
             "charges": "its contact line is a set of charges",
             "point charges": "the wall acts on each of its charges by itself, without images of the others",
+            "outer walls": "it can touch a wall that bulges toward it with an edge, and not with a corner only",
         },
     ),
     "multipole": Interaction(

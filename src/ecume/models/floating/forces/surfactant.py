@@ -23,7 +23,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ecume.engine.neighbors import NeighborLists
-from ecume.engine.walls import Walls, surfaces, wall_count, wall_distance
+from ecume.engine.walls import Walls, rings, wall_count
+from ecume.engine.walls.rings import wall_distance
 from ecume.laws import camphor
 from ecume.models.floating.forces.flow_and_noise import current_at, varies
 from ecume.models.floating.options import Built, scene_error
@@ -397,7 +398,7 @@ def _on_grid(parameters: Parameters, scene: FloatingScene, release: Array) -> Su
     given, radius = scene.surfactant, float(parameters.floats.radius.min())
     assert given is not None  # noqa: S101  # the caller looked
     periodic = scene.cell is not None
-    low, high = (np.zeros(2), np.array(scene.sides)) if periodic else map(np.array, surfaces.bounds(parameters.walls))
+    low, high = (np.zeros(2), np.array(scene.sides)) if periodic else map(np.array, rings.bounds(parameters.walls))
     spacing = radius / CELLS_PER_RADIUS if given.spacing is None else given.spacing
     if spacing > radius / FEWEST_PER_RADIUS:
         message = f"got {spacing:g} m; expected at most the smallest radius of a float, {radius:g} m"

@@ -19,7 +19,7 @@ from ecume.engine.cells import Integers, into_box, no_periods, periods_of
 from ecume.engine.contact import contacts
 from ecume.engine.neighbors import build, make_lists
 from ecume.engine.placement import place_at_random
-from ecume.engine.walls import Walls, surfaces
+from ecume.engine.walls import Walls, rings
 from ecume.errors import BadInput, Fault, SceneError
 from ecume.laws import capillarity
 from ecume.models.floating.contacts.candidates import list_candidates
@@ -41,9 +41,10 @@ if TYPE_CHECKING:
     from ecume.scenes.floating import FloatingScene, FloatRow
 
 
-CELL = Option(slot="boundary", path="cell", name="a periodic cell", gives=frozenset({"bounded"}))
-OPEN = Option(slot="boundary", path="dish", name="an infinite surface", gives=frozenset({"open"}))
-DISH = replace(OPEN, name="a dish", gives=frozenset({"open", "bounded"}))
+CELL = Option(slot="boundary", path="cell", name="a periodic cell", gives=frozenset({"bounded", "outer walls"}))
+OPEN = Option(slot="boundary", path="dish", name="an infinite surface", gives=frozenset({"open", "outer walls"}))
+DISH = replace(OPEN, name="a dish", gives=frozenset({"open", "bounded", "outer walls"}))
+RING = replace(OPEN, name="a ring", gives=frozenset({"open", "bounded"}))
 GRADIENT = Option(
     slot="flow gradient", path="flow", name="a flow with a gradient",
     needs={"open": "its velocity differs on opposite borders of a cell"},
@@ -56,7 +57,8 @@ def boundary_of(scene: FloatingScene) -> list[Option]:
     gradient = flow is not None and bool(
         flow.shear_rate or flow.rotation_rate or flow.extension_rate or flow.nodes is not None or flow.field is not None
     )
-    return [CELL if scene.cell is not None else OPEN if scene.dish is None else DISH, *([GRADIENT] if gradient else [])]
+    around = OPEN if scene.dish is None else DISH if scene.dish.inner_radius is None else RING
+    return [CELL if scene.cell is not None else around, *([GRADIENT] if gradient else [])]
 
 
 def periods_in(scene: FloatingScene) -> Array:
@@ -301,7 +303,7 @@ def _outside(
 
 
 def _into_walls(walls: Walls, place: Array, radius: float) -> float:
-    return radius - min(surfaces.clearances(walls, place), default=math.inf)
+    return radius - min(rings.clearances(walls, place), default=math.inf)
 
 
 def _overlapping(

@@ -17,6 +17,7 @@ from ecume.engine.contact.contacts import Candidates
 from ecume.engine.contact.separation import separate
 from ecume.engine.outlines import NEARNESS, Stance, bodies_near, turn_corners, wall_near
 from ecume.engine.walls import Walls, wall_count
+from ecume.engine.walls.rings import inner_radius_of, outer_walls
 from ecume.models.floating.contacts.collisions import Outlined
 from ecume.models.floating.parameters import Parameters
 from ecume.units import Array
@@ -93,7 +94,13 @@ def _into_walls(position: Array, radius: Array, walls: Walls) -> Iterator[tuple[
         distance = np.hypot(position[:, 0], position[:, 1])
         out = np.divide(position, distance[:, None], out=np.zeros_like(position), where=distance[:, None] > 0.0)
         yield radius + distance - walls.disc_radius, -out
-    for normal, offset in zip(walls.normal, walls.offset, strict=True):
+    inner = inner_radius_of(walls)
+    if inner > 0.0:
+        distance = np.hypot(position[:, 0], position[:, 1])
+        out = np.divide(position, distance[:, None], out=np.zeros_like(position), where=distance[:, None] > 0.0)
+        yield radius + inner - distance, out
+    lines = outer_walls(walls)
+    for normal, offset in zip(lines.normal, lines.offset, strict=True):
         yield radius + offset - position @ normal, np.broadcast_to(normal, position.shape)
 
 

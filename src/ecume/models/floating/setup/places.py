@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from ecume.engine.placement import Region, place_on_lattice, place_on_ring
-from ecume.engine.walls import surfaces
+from ecume.engine.walls import rings
 from ecume.models.floating.parameters import Parameters
 from ecume.units import Array
 
@@ -58,7 +58,7 @@ def _places_of(species: FloatSpec, middle: tuple[float, float]) -> Array:
 
 def region_of(parameters: Parameters) -> Region:
     """The region in which floats can be placed at random."""
-    low, high = surfaces.bounds(parameters.walls)
+    low, high = rings.bounds(parameters.walls)
     side = 0.5 * math.sqrt(math.pi * float(np.sum(parameters.floats.radius**2)) / OPEN_COVERAGE)
     if np.all(parameters.periods[0] > 0.0):
         width, height = parameters.periods[0].tolist()

@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ecume.engine.walls import surfaces, wall_count
+from ecume.engine.walls import rings, wall_count
 from ecume.errors import Fault, SceneError
 from ecume.laws import capillarity, flotation, meniscus
 from ecume.laws.friction import legacy_restitution
@@ -157,7 +157,7 @@ def initial_area(parameters: Parameters, scene: FloatingScene) -> float:
     """The area (m^2) that the floats cover at the start."""
     region = region_of(parameters)
     area = (region.high[0] - region.low[0]) * (region.high[1] - region.low[1])
-    area = min(area, surfaces.area(parameters.walls))
+    area = min(area, rings.area(parameters.walls))
     places = given_places(scene).position
     if np.isnan(places).any():
         return area
