@@ -37,6 +37,7 @@ from ecume.laws import (
     meniscus,
     moving_dish,
     permeability,
+    ring_meniscus,
     soft_contacts,
     soft_pair,
     special,
@@ -82,13 +83,14 @@ COMPILED = (
     carrier_flows,
     unsteady_forces,
     permeability,
+    ring_meniscus,
 )
 RESCALED = (
     carrier_flows, density_diffusion, brownian_motion, capillarity, friction, drag, meniscus, flotation.bodies,
     flotation.balance, flotation.equilibria, flotation.nonspherical, flotation.young_laplace, states, viscous, tension,
     time_step_limits, drops, flows, hydrostatics, long_range, moving_dish, soft_contacts, soft_pair, contact_lines,
     surfaces, interfaces, wall_forces, water_waves, wave_makers, dam_breaks, liquids, soft_oracles, swirls,
-    unsteady_forces, permeability,
+    unsteady_forces, permeability, ring_meniscus,
 )  # fmt: skip
 LIQUID = flotation.Liquid(density=3.0, surface_tension=0.7, viscosity=0.2, gravity=1.9, gas_density=0.4)
 SAMPLES = {
@@ -148,7 +150,9 @@ SAMPLES = {
     "low": -0.2, "high": 0.5, "filled": 0.2, "solid_fraction": 0.6, "diameter": 0.4, "permeability": 1e-3, "room": 0.7,
     "place": (0.3, 0.2, 0.1), "stream": (0.4, 0.3, -0.2), "displaced": 0.3,
     "angular_frequency": 1.3, "frequency": 0.4, "peak": 0.35, "phase": 0.6,
-    "directions": np.array([0.3, 1.7, 4.0]),
+    "directions": np.array([0.3, 1.7, 4.0]), "points": np.array([[0.3, 0.2], [-0.4, 0.1]]), "inclination": 0.2,
+    "outward": np.array([[0.6, 0.8], [-1.0, 0.0]]), "tilt": meniscus.Tilt(0.3, 0.7), "first": 0.2, "second": -0.3,
+    "oval": meniscus.Oval((1.7, 1.1), meniscus.Tilt(0.3, 0.7)), "radii": (0.97, 0.31), "contact_angles": (0.9, 1.3),
     "dim": 2, "swing": 0.2, "decay": 0.3, "damping": 0.4, "amplitude": 0.2, "velocity": 0.4, "slip": 0.7,
 }  # fmt: skip
 SAMPLES_OF_TYPES = {Body: Body(1.1, 0.25, 5.0)}
@@ -212,6 +216,7 @@ PLAIN = {
     soft_pair.crossover_gap, soft_pair.optimal_force, soft_pair.passage_time, soft_pair.reduced_force,
     soft_pair.size_under_force, soft_pair.steepness, soft_pair.surface_energy, soft_pair.surface_force,
     soft_pair.viscous_time, hydrostatics.absolute_pressure, hydrostatics.hydrostatic_fault,
+    ring_meniscus.inner_wall_amplitude, ring_meniscus.ring_amplitudes, ring_meniscus.ring_height,
 }  # fmt: skip
 """What compiled code does not call, or calls with the names of arguments."""
 UNSCALED = {

@@ -296,22 +296,28 @@ def level_cut(points: Lengths, tilt: Tilt) -> Lengths:
     return as_given(np.asarray(points) + stretch * np.outer(np.asarray(points) @ along, along))
 
 
-def leaning_walls(outward: Numbers, tilt: Tilt) -> tuple[Numbers, Angles]:
-    """The outward normals (K, 2) of the walls' lines in the level surface, and their inclinations (rad) from the
-    vertical, positive where a wall leans away from the liquid.
+def level_normals(outward: Numbers, tilt: Tilt) -> Numbers:
+    """The outward normals (K, 2) of the walls' lines in the level surface, from those of the walls in the dish.
+
+    >>> level_normals(np.array([[1.0, 0.0], [0.6, 0.8]]), Tilt(math.pi / 3.0)).round(6).tolist()
+    [[1.0, 0.0], [0.351123, 0.936329]]
+    """
+    along, given = np.array([math.cos(tilt.direction), math.sin(tilt.direction)]), np.asarray(outward)
+    turned = given + (math.cos(tilt.angle) - 1.0) * np.outer(given @ along, along)
+    return as_given(turned / np.linalg.norm(turned, axis=1)[:, None])
+
+
+def inclinations(outward: Numbers, tilt: Tilt) -> Angles:
+    """The inclinations (rad) of walls from the vertical, positive where a wall leans away from the liquid.
 
     A wall whose outward normal in the dish is n leans by beta, sin(beta) = sin(angle) n.d, with the direction d of the
     tilt.
 
-    >>> normal, inclination = leaning_walls(np.array([[1.0, 0.0], [0.0, 1.0]]), Tilt(0.3))
-    >>> normal.round(12).tolist(), inclination.round(12).tolist()
-    ([[1.0, 0.0], [0.0, 1.0]], [0.3, 0.0])
+    >>> inclinations(np.array([[1.0, 0.0], [0.0, 1.0]]), Tilt(0.3)).round(12).tolist()
+    [0.3, 0.0]
     """
-    along, given = np.array([math.cos(tilt.direction), math.sin(tilt.direction)]), np.asarray(outward)
-    share = given @ along
-    turned = given + (math.cos(tilt.angle) - 1.0) * np.outer(share, along)
-    inclination = np.arcsin(np.clip(math.sin(tilt.angle) * share, -1.0, 1.0))
-    return turned / np.linalg.norm(turned, axis=1)[:, None], inclination
+    share = np.asarray(outward) @ np.array([math.cos(tilt.direction), math.sin(tilt.direction)])
+    return as_given(np.arcsin(np.clip(math.sin(tilt.angle) * share, -1.0, 1.0)))
 
 
 def inclined_amplitude(contact_angle: Angle, inclination: Angle, liquid: Liquid, theory: str = "amplitude") -> Length:
@@ -396,7 +402,7 @@ def oval_amplitudes(
 def _cut_tangents(oval: Oval, directions: Angles) -> tuple[Array, Array, Array]:
     """The points of the edge in the level surface, the outward normals and the inclinations of the wall there."""
     points, outward = oval_tangents(oval.size, directions)
-    normal, inclination = leaning_walls(outward, oval.tilt)
+    normal, inclination = level_normals(outward, oval.tilt), inclinations(outward, oval.tilt)
     return np.asarray(level_cut(points, oval.tilt)), np.asarray(normal), np.asarray(inclination)
 
 

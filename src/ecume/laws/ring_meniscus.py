@@ -8,11 +8,13 @@ the walls, through the liquid: below 90 degrees the liquid rises at the wall.
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ecume.errors import BadInput
+from ecume.laws.flotation.bodies import Liquid
+from ecume.laws.flotation.young_laplace import outer_meniscus
+from ecume.laws.meniscus import AMPLITUDES, linear_wall_amplitude, wall_amplitude
 from ecume.laws.special import (
     scaled_bessel_i0,
     scaled_bessel_i1,
@@ -20,9 +22,6 @@ from ecume.laws.special import (
     scaled_bessel_k1,
 )
 from ecume.units import Angle, Energy, Force, Length, Lengths
-
-if TYPE_CHECKING:
-    from ecume.laws.flotation.bodies import Liquid
 
 __all__ = ["inner_wall_amplitude", "inner_wall_energy", "inner_wall_force", "ring_amplitudes", "ring_height"]
 
@@ -67,14 +66,10 @@ def inner_wall_amplitude(radius: Length, contact_angle: Angle, liquid: Liquid, t
     `wall_amplitude`; for thin ones A = L cos(theta), since there r sin(psi) is constant. "linear": L cot(theta).
     Derived from [vella2005].
 
-    >>> from ecume.laws.flotation.bodies import Liquid
     >>> water = Liquid(density=1000.0, surface_tension=0.072, viscosity=1e-3)
     >>> round(inner_wall_amplitude(1e-6, 0.8, water) / water.capillary_length / math.cos(0.8), 3)
     1.0
     """
-    from ecume.laws.flotation.young_laplace import outer_meniscus
-    from ecume.laws.meniscus import AMPLITUDES, linear_wall_amplitude, wall_amplitude
-
     if theory not in AMPLITUDES:
         raise BadInput(f"theory: got {theory!r}; expected one of {', '.join(map(repr, AMPLITUDES))}")
     if theory == "linear":
@@ -98,14 +93,11 @@ def ring_amplitudes(
     alone: the sum has the slope A_o/L at the outer wall and -A_i/L at the inner one. Exact in linear theory. A thin
     inner wall leaves the meniscus of a round dish. Derived from [vella2005].
 
-    >>> from ecume.laws.flotation.bodies import Liquid
     >>> water = Liquid(density=1000.0, surface_tension=0.072, viscosity=1e-3)
     >>> outer, inner = ring_amplitudes((0.02, 0.005), (0.8, 0.8), water)
     >>> inner > outer > 0.0
     True
     """
-    from ecume.laws.meniscus import AMPLITUDES
-
     a, b = (radius / liquid.capillary_length for radius in radii)
     if not 0.0 < b < a:
         raise BadInput(f"radii: got {radii[0]:g} and {radii[1]:g} m; expected the outer one first, both above 0")
@@ -123,7 +115,6 @@ def ring_height(
     """Height of the surface between two round walls at a distance r from their axis: S_o I0(r/L)/I1(a/L) + S_i
     K0(r/L)/K1(b/L) with `ring_amplitudes`. Within about 2 L of a wall a steep meniscus is higher. [vella2005].
 
-    >>> from ecume.laws.flotation.bodies import Liquid
     >>> water = Liquid(density=1000.0, surface_tension=0.072, viscosity=1e-3)
     >>> low, middle, high = (ring_height(r, (0.02, 0.005), (0.8, 0.8), water) for r in (0.005, 0.012, 0.02))
     >>> low > middle < high

@@ -286,7 +286,7 @@ def _sides(dish: DishSpec) -> tuple[float, float]:
 def _facing_amplitudes(dish: DishSpec, liquid: flotation.Liquid, theory: str) -> list[float]:
     """The amplitudes of the left, lower, right and upper wall; a wall that leans has its own."""
     outward = np.array([[-1.0, 0.0], [0.0, -1.0], [1.0, 0.0], [0.0, 1.0]])
-    each = np.asarray(meniscus.leaning_walls(outward, tilt_of(dish))[1]).tolist()
+    each = np.asarray(meniscus.inclinations(outward, tilt_of(dish))).tolist()
     alone = [meniscus.inclined_amplitude(dish.contact_angle, lean, liquid, theory) for lean in each]
     (left, right), (low, high) = (
         meniscus.facing_pair(alone[axis], alone[axis + 2], side, liquid) for axis, side in enumerate(_cut_sides(dish))
@@ -619,8 +619,8 @@ def tilt_of(dish: DishSpec) -> meniscus.Tilt:
 
 def _cut_level(walls: Walls, tilt: meniscus.Tilt) -> Walls:
     """The lines of the walls of a tilted dish in the level surface."""
-    outward, inclination = meniscus.leaning_walls(-walls.normal, tilt)
-    return walls._replace(normal=-np.asarray(outward), offset=walls.offset / np.cos(inclination))
+    outward = np.asarray(meniscus.level_normals(-walls.normal, tilt))
+    return walls._replace(normal=-outward, offset=walls.offset / np.cos(meniscus.inclinations(-walls.normal, tilt)))
 
 
 def outline_of(dish: DishSpec) -> Array:
