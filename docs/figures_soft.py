@@ -11,6 +11,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import NullFormatter
 from studies import permeation as permeation_study
+from studies import permeation_sizes
 from studies.delay_under_stress import AGES, SEEDS, STRAINS, geometric_mean, recorded
 
 from ecume._quick import sized
@@ -303,8 +304,32 @@ def permeation() -> Figure:
     return drawn
 
 
+def permeation_heights() -> Figure:
+    """The start of prepared packings over their height, beside the growth with its square."""
+    drawn = figure(5.4, 3.9)
+    axes = drawn.subplots()
+    rows = permeation_sizes.recorded()
+    for permeation, marker, color, label in (
+        (1, "o", PALETTE[1], "with permeation"), (0, "s", PALETTE[0], "without permeation"),
+    ):  # fmt: skip
+        some = [row for row in rows if row["permeation"] == permeation]
+        ended = [row for row in some if row["lower"] < math.inf]
+        axes.plot([row["height"] for row in ended], [row["lower"] for row in ended], marker, color=color, label=label)
+        later = [row for row in some if row["lower"] == math.inf]
+        look = {"color": color, "markerfacecolor": "none"}
+        axes.plot([row["height"] for row in later], [row["until"] for row in later], "^", **look)
+    heights = np.array([5.0, 25.0])
+    axes.plot(heights, permeation_sizes.filling_time(heights), color=INK, linewidth=1.0, label="12 (H/d)² η/P")
+    axes.set(xscale="log", yscale="log", xlabel="height (mean diameters)", ylabel="start of the lower half (s)")
+    axes.xaxis.set_minor_formatter(NullFormatter())
+    axes.set_xticks([5.0, 10.0, 20.0], ["5", "10", "20"])
+    axes.legend()
+    return drawn
+
+
 FIGURES: dict[str, Callable[[], Figure]] = {
     "soft-permeation": permeation,
+    "soft-permeation-heights": permeation_heights,
     "t1-phases": t1_phases,
     "t1-course": t1_course,
     "t1-durations": t1_durations,
