@@ -334,7 +334,7 @@ def test_a_damaged_gsd_file_gives_faults_and_no_crash(folder: Path) -> None:
         ("density = 700", "density = 700\ncount = 3", "particles[1].count: has no meaning beside start_from"),
         ("density = 700\n", "", "particles[1].density: is missing; expected for example '1030 kg/m^3'"),
         ("density = 700", "density = -1", "particles[1].density: got -1; expected 0.001 or more"),
-        ("density = 700", "density = [700, 800]", "particles[1].density: got a list of 2; expected a number"),
+        ("density = 700", "density = [700, 800]", "particles[1].density: got [700, 800]; expected a number"),
         ("density = 600", "density = 600\ncolr = 3", "particles[0].colr: no such key; did you mean color?"),
         (
             'contact_angle = "80 deg"',
