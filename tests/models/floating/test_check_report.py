@@ -4,12 +4,20 @@ import math
 import warnings
 from typing import Annotated, NamedTuple
 
+import numpy as np
 import pytest
 
 from ecume.errors import SceneError
 from ecume.laws import flotation, pair_laws
 from ecume.laws.pair_laws import PairLaw
-from ecume.models.floating.check_report import _summary_of_raft_speeds, meeting_speed, seconds_per_step, summary
+from ecume.models.floating.check_report import (
+    FEWER_AT_CONTACT,
+    _summary_of_collisions,
+    _summary_of_raft_speeds,
+    meeting_speed,
+    seconds_per_step,
+    summary,
+)
 from ecume.models.floating.forces.pair_forces import CutoffWarning
 from ecume.models.floating.setup.hydrodynamic_interaction import GasWarning
 from ecume.models.floating.setup.kinds import floats_of
@@ -144,6 +152,19 @@ def test_the_missing_hydrodynamic_interaction_is_announced_with_its_size(count, 
 @pytest.mark.filterwarnings("ignore::ecume.models.floating.setup.hydrodynamic_interaction.ReynoldsWarning")
 def test_rafts_with_hydrodynamic_interaction_are_announced_with_their_speed():
     assert drift_of_rafts(19, interaction="rotne-prager") == ["up to 6.1 times a single float"]
+
+
+def test_gaps_of_many_brownian_floats_that_share_flow_are_announced_with_their_error():
+    bead = {"name": "bead", "radius": 1e-6, "density": 1050.0, "count": 9, **STUFF}
+    water = {"brownian": True, "interaction": "rotne-prager"}
+    slow = {"integration": {"integrator": "overdamped"}}
+    few = checked_parameters(from_plain({**SCENE, "particles": [bead], "hydrodynamics": water, **slow}))
+    many = few._replace(floats=few.floats._replace(radius=np.full(1001, 1e-6)))
+    assert _summary_of_collisions(few) == []
+    ((_, reach, remark),) = _summary_of_collisions(many)
+    assert reach == "within 20 R"
+    assert FEWER_AT_CONTACT in remark
+    assert _summary_of_collisions(many._replace(drift=many.drift._replace(thermal=0.0))) == []
 
 
 def test_pairs_and_floats_without_drag_form_no_raft_that_is_too_slow():
