@@ -232,3 +232,35 @@ def test_rings_without_an_inner_wall_that_fits_are_refused():
 def test_check_states_the_width_of_the_channel():
     rows = {name: (value, remark) for name, value, remark in FLOATING.summary(ring())}
     assert rows["channel of the ring"] == ("15 mm", "5.51 capillary lengths: each wall has its own meniscus")
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_half_a_run_and_half_a_run_in_random_rings_and_tilted_dishes_are_a_run(seed):
+    """Bit for bit. Walls around the origin without friction change no angular momentum, those of a tilted dish do."""
+    rng = np.random.default_rng(seed)
+    places = 0.011 * np.stack([np.cos(angles := np.array([0.1, 0.4, 2.0, 4.0])), np.sin(angles)], axis=1)
+    keys = f"radius = 0.0125\ncontact_angle = {rng.uniform(0.9, 2.0)}\nrestitution = 0.5\n"
+    inner = f"inner_radius = 0.0095\ninner_contact_angle = {rng.uniform(0.3, 2.8)}\n"
+    tilt = f"tilt = {{ angle = {rng.uniform(0.1, 0.5)}, direction = {rng.uniform(-3.0, 3.0)} }}\n"
+    integrator = ("velocity-verlet", "semi-implicit-euler")[seed // 2]
+    body = f'[hydrodynamics]\ndrag = "none"\n[integration]\nintegrator = "{integrator}"\n'
+    floats = f"{at(places)}velocity = [{rng.uniform(0.1, 0.3)}, {rng.uniform(-0.3, 0.3)}]\n"
+    scene = scene_of(f"{WATER}{FLOAT}{floats}[dish]\n{keys}{tilt if seed % 2 else inner}{body}")
+    parameters, ends, spins = FLOATING.parameters(scene), [], []
+    for parts in ((60,), (37, 23)):
+        state = FLOATING.start(scene, parameters)
+        spins.append(spin_of(state))
+        for steps in parts:
+            assert FLOATING.advance(parameters, state, FLOATING.workspace(parameters, state, 1.0), steps) == 0
+        ends.append(np.concatenate([state.position, state.velocity]))
+        spins.append(spin_of(state))
+    assert np.array_equal(*ends)
+    assert np.abs(ends[0][:4] - places).max() > 1e-3
+    same = spins[1] == pytest.approx(spins[0], rel=1e-10)
+    assert same == (seed % 2 == 0)
+
+
+def spin_of(state):
+    """The angular momentum of equal floats about the origin, over their mass."""
+    (x, y), (u, v) = state.position.T, state.velocity.T
+    return float(np.sum(x * v - y * u))
