@@ -31,6 +31,8 @@ from ecume.simulation import moments
 
 MOST_STEPS = 1500
 """A run that takes more is given up: "slow"."""
+PATIENCE = 3.0
+"""The time that the same scene may take in another order or rotated, over that of the first run."""
 ROUNDED = 1e-10
 """Of modulus times radius squared: smaller forces are rounding of positions, and so are their energies."""
 
@@ -664,7 +666,7 @@ def unlike(scene, ours, theirs, matrix=None, order=None):
     return max(found, float(np.abs(moved - others).max()) / max(one.radius for one in scene.particles))
 
 
-def sensitive(scene, plain, frames):
+def sensitive(scene, plain, frames, limit=math.inf):
     """Whether a run differs as much where only the last digits of positions do: then rounding decides, not the order
     of spheres or the axes.
     """
@@ -673,7 +675,7 @@ def sensitive(scene, plain, frames):
         place = np.array(one["positions"])
         moved.append(one | {"positions": (place * (1.0 + 1e-14 * dice.normal(size=place.shape))).tolist()})
     try:
-        again = run(from_plain(plain | {"particles": moved}))[0]
+        again = run(from_plain(plain | {"particles": moved}), limit=limit)[0]
     except (Slow, EcumeError):
         return True
     return not unlike(scene, frames, again) < 2.0 * error_of_scene(scene)
@@ -686,8 +688,11 @@ def outcome(seed, drawing=draw, limit=math.inf):
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
         try:
-            plain = explicit(from_plain(plain))
+            with at_most(limit, lambda: "stopped in its start"):
+                plain = explicit(from_plain(plain))
             scene = from_plain(plain)
+        except Slow as error:
+            return "slow", {"reason": str(error)}
         except SceneError as error:
             return "refused", {"reason": str(error)}
         try:
@@ -701,7 +706,7 @@ def outcome(seed, drawing=draw, limit=math.inf):
         for name, change in (("order", reordered), ("rotation", turned)):
             changed, how = change(plain, dice) if name == "order" else change(plain, dice, dimensions)
             try:
-                again = run(from_plain(changed))[0]
+                again = run(from_plain(changed), limit=PATIENCE * limit)[0]
             except (Slow, EcumeError) as error:
                 found[name] = str(error) or "slow"
                 continue
@@ -710,7 +715,7 @@ def outcome(seed, drawing=draw, limit=math.inf):
             # Steps judge the components of directions, and rounding decides which fail: each run errs by its tolerance.
             if not difference < 2.0 * error_of_scene(scene):
                 found[name] = difference
-        if ("order" in found or "rotation" in found) and sensitive(scene, plain, frames):
+        if ("order" in found or "rotation" in found) and sensitive(scene, plain, frames, PATIENCE * limit):
             found = {"sensitive" if name in ("order", "rotation") else name: value for name, value in found.items()}
         if states:
             resumed = run(scene, state=states[2])[0]
