@@ -8,7 +8,7 @@ functions are compiled. Choices that the model makes from the scene in each step
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -469,7 +469,7 @@ def evaluate_accelerations(basin: Basin, drops: Drops, room: Room) -> None:
     sum_pressure(
         room.rates, table, room.records, table[0], lists, basin.constants, basin.kernel, basin.like, ()
     )  # fmt: skip
-    density = table[FIELD.density, : len(drops.density)]
+    density: Any = table[FIELD.density, : len(drops.density)]
     store_acceleration(drops.acceleration, room.rates, density, basin.gravity, basin.per_volume)
     guard, sound = basin.walls.guard, basin.equation_of_state.sound_speed
     kind, number = guard.sheet.kind, guard.sheet.number
