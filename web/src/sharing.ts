@@ -24,9 +24,9 @@ function ownFrame(): HTMLElement | null {
   }
 }
 
-/** The fragment that an address of this page has. */
+/** The fragment that an address of this page has, without the name that a page of several puts before it. */
 function arrived(): string {
-  return FRAME ? FRAME.dataset.fragment! : location.hash.slice(1);
+  return FRAME ? FRAME.dataset.fragment! : location.hash.slice(1).split(".").pop()!;
 }
 
 /** What is handed over: a link, or what makes one behind the address of another page. */
