@@ -305,7 +305,7 @@ def test_plot_joins_runs_and_an_experiment_and_writes_their_numbers(drawn: list[
     [
         (["-o", "a.csv"], "got the ending '.csv'; expected .png, .pdf or .svg, or a folder; --data writes"),
         (["--format", "doc"], "--format: got 'doc'; expected one of png, pdf, svg"),
-        (["--width", "86"], "text without a unit"),
+        (["--width", "86"], "got 86 without a unit; write '86 mm'"),
         (["--data", "a.csv"], "expected --what with the name of the figure"),
         (["lab.csv"], "expected --what with the name of the figure"),
     ],
