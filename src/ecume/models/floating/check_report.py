@@ -315,7 +315,7 @@ def _pass_and_attract(parameters: Parameters) -> bool:
     """Whether floats pass through one another whose attraction grows without bound."""
     signs = np.sign(parameters.floats.charge)
     several = max(np.count_nonzero(signs > 0.0), np.count_nonzero(signs < 0.0)) > 1
-    return parameters.passing and row_of(parameters).menisci and several
+    return bool(parameters.passing and row_of(parameters).menisci and several)
 
 
 def _step_remark(time_step: float, good: float, parameters: Parameters) -> str:
