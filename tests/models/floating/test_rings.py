@@ -232,6 +232,8 @@ def test_rings_without_an_inner_wall_that_fits_are_refused():
 def test_check_states_the_width_of_the_channel():
     rows = {name: (value, remark) for name, value, remark in FLOATING.summary(ring())}
     assert rows["channel of the ring"] == ("15 mm", "5.51 capillary lengths: each wall has its own meniscus")
+    bare = {name: remark for name, _, remark in FLOATING.summary(ring("law = 'none'"))}
+    assert bare["channel of the ring"] == "5.51 capillary lengths: its walls have no menisci"
 
 
 @pytest.mark.parametrize("seed", range(4))

@@ -157,7 +157,7 @@ def test_light_floats_collect_at_the_wall_that_leans_over_the_liquid():
         ("radius = 0.014\nimage = 'pinned'", "angle = 0.1", "a tilted dish"),
         ("radius = 0.014\nlaw = 'profile'", "angle = 0.1", "'profile', which is not known"),
         ("radius = 0.014", "angle = 0.8", "expected a sum from 0 to 180"),
-        ("size = [0.03, 0.03]", "angle = 0.1\ndirection = 0.5", "multiple of 90 deg"),
+        ("size = [0.03, 0.03]", "angle = 0.1\ndirection = 0.5", r"^scene: dish\.tilt\.direction: .* of 90 deg"),
         ("size = [0.03, 0.03]\nlaw = 'none'\nbarrier = { velocity = 0.001 }", "angle = 0.1", "lean with its walls"),
         ("vertices = [[-0.03, -0.02], [0.03, -0.02], [0.0, 0.04]]", "angle = 0.1", "right angles only"),
         ("radius = 0.014", "angle = 1.2", r"dish\.tilt\.angle"),
@@ -180,5 +180,7 @@ def test_check_states_the_tilt_and_games_refuse_it():
     rows = {name: (value, remark) for name, value, remark in FLOATING.summary(scene)}
     assert rows["tilt of the dish"][0] == "10 deg"
     assert "from 30.11 to 50.11 deg" in rows["tilt of the dish"][1]
+    bare = {name: remark for name, _, remark in FLOATING.summary(tilted("radius = 0.014\nlaw = 'none'", "angle = 0.1"))}
+    assert bare["tilt of the dish"] == "at rest, without sloshing; its walls have no menisci"
     with pytest.raises(BadInput, match=r"expected no dish\.tilt"):
         Bowl(scene)

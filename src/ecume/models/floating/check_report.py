@@ -135,17 +135,22 @@ def _summary_of_cell(parameters: Parameters) -> list[Row]:
 
 
 def _summary_of_dish(scene: FloatingScene) -> list[Row]:
-    """The width of a ring, and the tilt of a dish with the contact angles at which upright walls would act alike."""
+    """The width of a ring, and the tilt of a dish with the contact angles at which upright walls would act alike; what
+    menisci do only where walls have them.
+    """
     if scene.dish is None:
         return []
+    bare = scene.dish.law == "none"
     if scene.dish.inner_radius is not None and scene.dish.radius is not None:
         width, length = scene.dish.radius - scene.dish.inner_radius, liquid_of(scene).capillary_length
         remark = "the menisci of both walls overlap" if width < OVERLAPS * length else "each wall has its own meniscus"
+        remark = "its walls have no menisci" if bare else remark
         return [("channel of the ring", with_prefix(width, "m"), f"{width / length:.3g} capillary lengths: {remark}")]
     if scene.dish.tilt is None:
         return []
     angle, tilt = math.degrees(scene.dish.contact_angle), math.degrees(scene.dish.tilt.angle)
     alike = f"walls act as upright ones with contact angles from {angle - tilt:.4g} to {angle + tilt:.4g} deg"
+    alike = "its walls have no menisci" if bare else alike
     return [("tilt of the dish", f"{tilt:.4g} deg", f"at rest, without sloshing; {alike}")]
 
 

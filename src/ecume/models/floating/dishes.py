@@ -221,7 +221,7 @@ class Meniscus(NamedTuple):
     """whether a mirror image at the nearest wall is known"""
 
 
-# --- the two kinds ----------------------------------------------------------------------------------------------------
+# --- the kinds --------------------------------------------------------------------------------------------------------
 
 
 def _round_amplitudes(dish: DishSpec, liquid: flotation.Liquid, theory: str) -> list[float]:
@@ -478,7 +478,8 @@ def strengths(scene: FloatingScene, floats: Floats, found: Meniscus, count: int)
         try:
             amplitudes = amplitudes_of(dish, liquid, "linear" if dish.law == "linear" else "amplitude")
         except BadInput as error:
-            raise scene_error("dish.law", str(error)) from None
+            # A SceneError names its key.
+            raise (scene_error("dish.law", str(error)) if type(error) is BadInput else error) from None
     if len(amplitudes) != count:  # a wrong length would let compiled loops read beyond the end
         raise scene_error("dish", f"the shape has {count} walls; got menisci of {len(amplitudes)}")
     charges, number = np.unique(floats.charge, return_inverse=True)
