@@ -4,6 +4,9 @@ import importlib.util
 import re
 from pathlib import Path
 
+import numpy as np
+from scipy.stats import linregress
+
 DOCS = Path(__file__).parents[2] / "docs"
 PAGE = DOCS / "physics" / "soft-permeation.md"
 ROW = re.compile(r"^\| (0\.\d+) \| (\d) \| ([\d.]+ s|none) \| ([\d.]+ s|none) \|$", re.MULTILINE)
@@ -63,3 +66,11 @@ def test_the_table_of_heights_is_what_was_recorded():
 
 def test_permeation_holds_the_lower_halves_of_prepared_packings_longer_than_films_do():
     assert all(min(held["lower"], held["until"]) > 2.0 * free["lower"] for held, free in heights())
+
+
+def test_the_power_of_the_height_is_that_of_the_recorded_packings():
+    held = [row for row, _ in heights()]
+    fit = linregress(np.log([row["height"] for row in held]), np.log([row["lower"] for row in held]))
+    said_so = f"power {fit.slope:.1f} ± {fit.stderr:.1f} of the height (standard error; a fit to the seven)"
+    assert len(held) == 7
+    assert said_so in PAGE.read_text(encoding="utf-8")

@@ -136,6 +136,7 @@ def test_the_stiffness_bounds_the_slope_of_the_force():
         assert 0.3 * bound < np.abs(slopes).max() < bound
 
 
+@pytest.mark.long
 @pytest.mark.compiled  # thousands of collisions
 def test_elastic_floats_in_a_ring_keep_energy_and_touch_both_walls():
     rest = '[interaction]\nlaw = "none"\n[hydrodynamics]\ndrag = "none"\n[contacts]\nlaw = "none"\n'
@@ -162,6 +163,8 @@ def test_a_float_between_two_walls_moves_down_in_energy_to_the_wall_that_wets(in
     assert all(after <= before + 1e-15 for before, after in itertools.pairwise(energy))
 
 
+@pytest.mark.long
+@pytest.mark.compiled  # thousands of steps
 def test_brownian_floats_stay_between_both_walls():
     body = '[hydrodynamics]\nbrownian = true\n[integration]\nintegrator = "overdamped"\n[contacts]\nlaw = "none"\n'
     text = f"{WATER}[[particles]]\nradius = 1e-6\ndensity = 1100.0\ncontact_angle = 1.2\ncount = 8\n[dish]\n"

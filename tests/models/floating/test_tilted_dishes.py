@@ -141,6 +141,7 @@ def opposite(tilt):
     return f"angle = {angle}\ndirection = {direction + math.pi}"
 
 
+@pytest.mark.long
 @pytest.mark.compiled  # hundreds of steps
 def test_light_floats_collect_at_the_wall_that_leans_over_the_liquid():
     scene = tilted("radius = 0.008", 'angle = "20 deg"\ndirection = "90 deg"', places=[(0.003, 0.0), (-0.003, 0.0)],
