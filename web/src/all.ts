@@ -29,10 +29,16 @@ async function show(number: number, fragment: string): Promise<void> {
   document.body.dataset.shown = name;
 }
 
+/** Show another simulation as it begins. The address no longer names the one before, nor what a link brought to it. */
+function choose(number: number): void {
+  if (window === window.top) history.replaceState(null, "", `#${shown[number].name}`);
+  void show(number, "");
+}
+
 function begin(): void {
   const [first, fragment] = named();
   const buttons = shown.map(({ label }) => Object.assign(document.createElement("button"), { textContent: label }));
-  choices(element("toys"), buttons, first, (number) => void show(number, ""));
+  choices(element("toys"), buttons, first, choose);
   void show(first, fragment);
 }
 

@@ -570,6 +570,8 @@ def test_a_page_of_several_shows_each_and_its_links_open_the_same_one(browser, t
         other.evaluate("name => { location.hash = `${name}.<img src=x onerror=alert(1)>` }", name)
         said = f"The link does not describe a {what} of this page."
         other.frame_locator("#frame").locator(f"#said:has-text('{said}')").wait_for(timeout=30_000)
+    other.get_by_role("radio", name="bowl", exact=True).click()
+    assert other.evaluate("location.href") == f"{several}#floating", "a reload would show what is no longer chosen"
     other.close()
     assert tab.complaints == []
     assert [request for request in tab.requests if not request.startswith("blob:")] == [several]
