@@ -44,6 +44,7 @@ those with laws of a user, which each process would compile for itself.
 pytestmark = [
     pytest.mark.filterwarnings("ignore:overflow encountered"),  # philox, by design
     pytest.mark.filterwarnings("ignore::ecume.models.floating.time_integration.step_size.StepWarning"),
+    pytest.mark.filterwarnings("ignore::ecume.models.tracers.record.FlowWarning"),
 ]
 
 EFFECTS = {"floating": floating, "soft": soft, "sph": sph, "tracers": tracers}

@@ -36,6 +36,11 @@ ROW = {"rows": [{"x": 6e-3, "y": 0.0, "radius": 1e-3, "density": 600.0, "contact
 TURNING_ROW = {"rows": [{"x": 6e-3, "y": 0.0, "radius": 1e-3, "density": 600.0, "contact_angle": 1.2,
                          "shape": {"kind": "ellipsoid", "width": 1.2e-3}}]}  # fmt: skip
 DISH = {"dish": {"radius": 0.01, "contact_angle": 1.0}}
+ANNULUS = {
+    "particles": [{"positions": [[5e-3, 0.0], [0.0, 5e-3], [-5e-3, 0.0]]}],
+    "dish": {"radius": 0.01, "contact_angle": 1.0, "inner_radius": 1e-3, "inner_contact_angle": 1.0},
+}
+TILTED = {"dish": {"radius": 0.01, "tilt": {"angle": 0.1, "direction": 0.2}}}
 SHARED = {
     "particles": [
         {"positions": None, "volume_share": 0.5},
@@ -196,6 +201,10 @@ EFFECTS = {
     ),
     "dish.size": of([0.02, 0.03], dish={"size": [0.02, 0.02], "contact_angle": 1.0}),
     "dish.contact_angle": of(1.3, **DISH),
+    "dish.inner_radius": of(1.5e-3, **ANNULUS),
+    "dish.inner_contact_angle": of(1.3, **ANNULUS),
+    "dish.tilt.angle": of(0.2, **TILTED),
+    "dish.tilt.direction": of(0.7, **TILTED),
     "dish.law": of("linear", **DISH),
     "dish.image": of("pinned", **DISH),
     "dish.density": of(2000.0, dish={"radius": 0.01, "law": "two-point-legacy"}),

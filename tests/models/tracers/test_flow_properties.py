@@ -265,6 +265,7 @@ def test_a_periodic_array_of_obstacles_keeps_a_density_uniform():
 
 
 @pytest.mark.long
+@pytest.mark.compiled
 @pytest.mark.parametrize(("noise", "periodic"), [(False, []), (True, []), (False, ["x"])])
 def test_a_gridded_flow_in_3d_keeps_a_density_uniform(noise, periodic, tmp_path):
     """Beside walls and periodic sides, in velocities with divergence, which linear interpolation keeps."""
