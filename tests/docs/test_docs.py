@@ -48,6 +48,7 @@ SECTIONS = {
     "[[rows]]": floating.FloatRow,
     "[dish]": floating.DishSpec,
     "[dish.motion]": floating.DishMotionSpec,
+    "[dish.tilt]": floating.DishTiltSpec,
     "[cell]": floating.CellSpec,
     "[integration]": floating.IntegrationSpec,
     "[hydrodynamics]": floating.HydrodynamicsSpec,

@@ -30,7 +30,7 @@ def length(text: str) -> float:
     try:
         found = parse(text, "m")
     except ValueError as fault:
-        bare = text.replace(".", "", 1).isdecimal()
+        bare = "".join(text.split(".", 1)).isdecimal()
         raise typer.BadParameter(f"got {text} without a unit; write '{text} mm'" if bare else str(fault)) from None
     if not 0.01 <= found <= 2.0:
         raise typer.BadParameter(f"got {text}; expected 1 cm to 2 m")
