@@ -1,5 +1,6 @@
 """Compiled code is found again exactly as long as nothing changes that it was made from."""
 
+import importlib
 import importlib.util
 import sys
 from types import SimpleNamespace
@@ -266,3 +267,17 @@ def test_a_whole_is_stored_without_the_code_that_only_a_part_needs():
     full = result.library.serialize_using_object_code()
     assert (name, form, code) == (*full[:2], full[2][0])
     assert len(bitcode) < 0.5 * len(full[2][1])
+
+
+@pytest.mark.parametrize(
+    "entry",
+    [
+        "ecume.models.floating.forces.pair_forces:sum_of_wall_energies",
+        "ecume.models.floating.time_integration.integration:integrate",
+        "ecume.models.floating.time_integration.integration:build_all",
+    ],
+)
+def test_what_floats_compile_is_described_without_the_text_of_the_package(entry):
+    """A function with the name of a field that compiled code reads would lead to code that is never compiled."""
+    module, name = entry.split(":")
+    assert list(_dependencies._lines(getattr(importlib.import_module(module), name), ()))

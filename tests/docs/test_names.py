@@ -121,7 +121,9 @@ def test_names_in_docstrings_and_messages_exist(module):
 
 
 def test_a_name_of_a_module_that_is_gone_is_found():
-    text = "see `walls.menisci` and `walls.menisci.table_of()`; `dish_outlines`; `dish.shape`, `dishes.wall_table`"
+    text = (
+        "see `walls.menisci` and `walls.menisci.table_of()`; `dish_outlines`; `dish.shape`, `dishes.heights_and_images`"
+    )
     found = missing(text, "ecume.models.floating.parameters")
     assert found == ["walls.menisci", "walls.menisci.table_of", "dish_outlines"]
 

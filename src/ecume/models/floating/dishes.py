@@ -493,7 +493,7 @@ def no_table() -> Array:
     return np.zeros((6, 2))
 
 
-def wall_table(dish: DishSpec, liquid: flotation.Liquid, radii: tuple[float, float], found: Meniscus) -> Array:
+def heights_and_images(dish: DishSpec, liquid: flotation.Liquid, radii: tuple[float, float], found: Meniscus) -> Array:
     """The table of heights and image energies over the distance from a wall, for floats from the smallest to the
     largest radius.
     """
@@ -673,7 +673,7 @@ def wall_table_of(scene: FloatingScene, radii: tuple[float, float]) -> Array:
     dish = scene.dish
     if dish is None or not _has_meniscus(dish):
         return no_table()
-    return wall_table(dish, liquid_of(scene), radii, meniscus_of(dish))
+    return heights_and_images(dish, liquid_of(scene), radii, meniscus_of(dish))
 
 
 def field_of(dish: DishSpec | None, liquid: flotation.Liquid, x: Array, y: Array, advance: float = 0.0) -> Array:

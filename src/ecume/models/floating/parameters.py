@@ -142,7 +142,7 @@ class Parameters(NamedTuple):
     wall_strength: Array
     """(walls, N) J"""
     wall_table: Array
-    """see `dishes.wall_table`; empty if there are formulas"""
+    """see `dishes.heights_and_images`; empty if there are formulas"""
     image_strength: float
     """N: 2 pi gamma, if walls mirror menisci"""
     restitution: float
