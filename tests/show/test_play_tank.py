@@ -383,3 +383,16 @@ def test_the_command_line_plays_with_a_tank_of_its_own_or_with_a_scene_but_not_w
     made = CliRunner().invoke(app, ["play", "--tank", *coarse, "--set", "liquid.viscosity=1.0"])
     assert made.exit_code == 0, made.output
     assert (waited, played[0].scene.spacing) == ([True], 0.08)
+
+
+def test_a_page_is_saved_instead_of_opened_unless_pages_cannot_simulate_the_scene(tmp_path):
+    coarse = [word for change in COARSE for word in ("--set", change)]
+    target = tmp_path / "tank.html"
+    saved = CliRunner().invoke(app, ["play", "--tank", "--save", str(target), *coarse])
+    assert saved.exit_code == 0, saved.output
+    assert target.read_text(encoding="utf-8").startswith("<!doctype html>")
+    target.unlink()
+    viscous = CliRunner().invoke(app, ["play", "--tank", "--save", str(target), *coarse, "--set", "liquid.viscosity=1"])
+    assert viscous.exit_code == 2
+    assert "viscosity" in viscous.output
+    assert not target.exists()

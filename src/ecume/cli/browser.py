@@ -140,8 +140,9 @@ def play(
     """
     from ecume.scenes.load import load_scene
     from ecume.scenes.templates import folder
-    from ecume.show.play.alone import alone, parts_of, refusal, save_text, templates, together
+    from ecume.show.play.alone import alone, parts_of, refusal, templates, together
     from ecume.show.view.page import ALL
+    from ecume.trajectories.records import write_whole
 
     if tank and scene is not None:
         raise BadInput("got SCENE and --tank, which has a built-in tank; expected one of them")
@@ -159,12 +160,8 @@ def play(
     if save is None:
         _offer_page(page, parts)
         return
-    save_text(page, save, MOST_ALONE)
+    write_whole(save, page)
     wrote(save, quiet=False)
-
-
-MOST_ALONE = 2.0
-"""MB of a page that simulates."""
 
 
 def _offer_page(page: str, parts: Parts) -> None:

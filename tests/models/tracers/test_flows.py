@@ -348,21 +348,21 @@ def test_a_file_beside_the_tank_is_refused_and_none_is_no_archive(tmp_path):
 
 
 @pytest.mark.parametrize("interpolation", ["divergence-free", "linear"])
-def test_a_part_of_the_tank_or_of_the_run_without_velocities_is_told(interpolation, tmp_path):
+def test_a_part_of_the_tank_or_of_the_run_without_velocities_is_stated(interpolation, tmp_path):
     """The file reaches to (2, 1) m and, with two instants, to 1 s."""
     saved(tmp_path, instants=2)
     field = {"file": str(tmp_path / "gyre.npz"), "length_unit": 0.01, "interpolation": interpolation}
     whole = {"flow": {"field": field}, "duration": 1.0}
-    told = {"tank": {"high": [2.5, 1.25]}, "duration": 3.0, "frame_every": 1.0}
+    larger = {"tank": {"high": [2.5, 1.25]}, "duration": 3.0, "frame_every": 1.0}
     assert not {"beyond the grid", "times of the flow"} & set(rows_of(**whole))
     with pytest.warns(FlowWarning) as said:
-        rows = rows_of(**whole | told)
+        rows = rows_of(**whole | larger)
     assert rows["beyond the grid"][0] == "36 %"
     assert rows["times of the flow"][0] == "0 s to 1 s"
     assert [str(one.message).split(" of the ")[0] for one in said] == ["flow.field: 36 %", "flow.field: 0 s to 1 s"]
 
 
-def test_particles_that_start_on_land_are_told(tmp_path):
+def test_particles_that_start_on_land_are_counted(tmp_path):
     saved(tmp_path)
     arrays = dict(np.load(tmp_path / "gyre.npz"))
     np.savez(tmp_path / "gyre.npz", **{**arrays, "u": np.where(arrays["x"][:, None] < 100.0, np.nan, arrays["u"])})

@@ -1,9 +1,9 @@
 """The shapes of dishes, and the menisci at their walls: heights, and forces on floats, also for compiled code.
 
 There are five kinds of menisci, one record each: inside a round wall (`ROUND`), between two round walls
-(`BETWEEN_ROUND`), between two pairs of facing walls
-(`FACING`, and `LEANING` in a tilted dish), and along the tangents of an ellipse (`OVAL`), which is also the cut of a
-tilted round dish by the level surface. Compiled code selects a law by its number.
+(`BETWEEN_ROUND`), between two pairs of facing walls (`FACING`, and `LEANING` in a tilted dish), and along the tangents
+of an ellipse (`OVAL`), which is also the cut of a tilted round dish by the level surface. Compiled code selects a law
+by its number.
 
 Exact menisci and mirror images have no closed formula. A table has heights and image energies of a unit charge with
 their slopes, at distances evenly spaced in their logarithm, and a cubic Hermite polynomial between them. Forces are the
